@@ -1,0 +1,5 @@
+//! From sample sums to files.
+
+mod image;
+
+pub use image::{Aov, Image, Plane};

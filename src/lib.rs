@@ -1,0 +1,42 @@
+//! Warpfront: a path tracer for real scenes in warped spacetime.
+//!
+//! # Conventions
+//!
+//! - G = c = 1. Lengths are scene units; a hole is given by its Schwarzschild radius `r_s = 2M` in the same units.
+//! - Metric signature (−+++). Right-handed axes, +Y up, as glTF.
+//! - Radians inside; degrees only in scene files and on the command line.
+//! - Linear RGB, Rec. 709 primaries; radiance per channel.
+//! - Rays are traced from the camera into the past.
+//! - Chart: the Cartesian coordinates in which geometry is placed. Flat and Schwarzschild spacetimes use isotropic
+//!   coordinates, in which the spatial metric is conformally flat, so that coordinate angles are true angles.
+//! - A direction at a camera or a surface is the direction in the local static frame.
+//!
+//! # Symbols
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `x` | position in the chart |
+//! | `rho` | isotropic radius: distance from the spacetime's centre in the chart |
+//! | `n` | optical index Ψ/N of a static, conformally flat spacetime |
+//! | `p` | momentum dx/dσ, with \|p\| = n on a null ray (energy 1) |
+//! | `sigma` | ray parameter: dσ = dl/n, dl coordinate length; coordinate time dt = n² dσ |
+//! | `b` | impact parameter \|L\|/E = \|x × p\| |
+//! | `r_s` | Schwarzschild radius |
+//!
+//! # Module map
+//!
+//! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
+//! Dependencies point one way too:
+//! `cli → film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
+#![warn(clippy::all)]
+
+pub mod asset;
+pub mod cli;
+pub mod film;
+pub mod geodesic;
+pub mod geometry;
+pub mod math;
+pub mod scene;
+pub mod shade;
+pub mod spacetime;
+pub mod trace;

@@ -1,0 +1,41 @@
+//! The tables that the tracer reads: a scene with every entity dissolved.
+
+use glam::DVec3;
+
+use super::{Camera, Settings};
+use crate::geometry::Geometry;
+use crate::shade::{Environment, Material};
+
+/// A spacetime and where its centre is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpacetimeKind {
+    /// Minkowski: rays are straight.
+    Flat,
+    /// Schwarzschild in isotropic coordinates.
+    Schwarzschild {
+        /// Position of the hole, world.
+        center: DVec3,
+        /// r_s = 2M, positive.
+        schwarzschild_radius: f64,
+    },
+}
+
+/// A scene, baked.
+pub struct Baked {
+    /// Which spacetime the rays cross.
+    pub spacetime: SpacetimeKind,
+    /// The camera.
+    pub camera: Camera,
+    /// Primitives and their BVH.
+    pub geometry: Geometry,
+    /// Materials, indexed by [`crate::geometry::Surface::material`].
+    pub materials: Vec<Material>,
+    /// Entity names, indexed by [`crate::geometry::Surface::entity`].
+    pub entities: Vec<String>,
+    /// Light from infinity.
+    pub environment: Environment,
+    /// Settings of the scene file, defaults filled in.
+    pub settings: Settings,
+    /// What was read but not understood, one line each.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,78 @@
+//! Light from infinity.
+
+use glam::{DMat3, DVec3, Vec3};
+
+/// Radiance that arrives from infinity, by direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Environment {
+    /// No light.
+    Black,
+    /// The same radiance from everywhere.
+    Constant(Vec3),
+    /// A vertical gradient, from straight down to the horizon to straight up: the sky of a bare file without light.
+    Gradient {
+        /// Radiance from −Y.
+        ground: Vec3,
+        /// Radiance from the horizon.
+        horizon: Vec3,
+        /// Radiance from +Y.
+        zenith: Vec3,
+    },
+    /// A latitude-longitude image.
+    Image(LatLong),
+}
+
+/// A latitude-longitude image: row 0 is +Y; the middle column is −Z, u grows towards +X.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LatLong {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear RGB radiance, row-major.
+    pub pixels: Vec<Vec3>,
+    /// World direction → image direction.
+    pub from_world: DMat3,
+}
+
+impl Environment {
+    /// Radiance arriving from infinity along `-direction`, i.e. seen when looking along the unit vector `direction`.
+    pub fn radiance(&self, direction: DVec3) -> Vec3 {
+        match self {
+            Environment::Black => Vec3::ZERO,
+            Environment::Constant(radiance) => *radiance,
+            Environment::Gradient { ground, horizon, zenith } => {
+                let height = direction.y as f32;
+                let end = if height < 0.0 { *ground } else { *zenith };
+                horizon.lerp(end, height.abs().sqrt())
+            }
+            Environment::Image(image) => image.radiance(direction),
+        }
+    }
+
+    /// Whether no light comes from infinity.
+    pub fn is_black(&self) -> bool {
+        matches!(self, Environment::Black) || matches!(self, Environment::Constant(c) if *c == Vec3::ZERO)
+    }
+}
+
+impl LatLong {
+    /// Bilinear look-up, periodic in longitude and clamped at the poles.
+    fn radiance(&self, direction: DVec3) -> Vec3 {
+        let d = self.from_world * direction;
+        let u = 0.5 + d.x.atan2(-d.z) / std::f64::consts::TAU;
+        let v = d.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
+        let x = u * self.width as f64 - 0.5;
+        let y = (v * self.height as f64 - 0.5).clamp(0.0, (self.height - 1) as f64);
+        let (column, row) = (x.floor(), y.floor());
+        let (fx, fy) = ((x - column) as f32, (y - row) as f32);
+        let left = (column as i64).rem_euclid(self.width as i64) as usize;
+        let right = (left + 1) % self.width;
+        let top = row as usize;
+        let bottom = (top + 1).min(self.height - 1);
+        let at = |x: usize, y: usize| self.pixels[y * self.width + x];
+        let upper = at(left, top).lerp(at(right, top), fx);
+        let lower = at(left, bottom).lerp(at(right, bottom), fx);
+        upper.lerp(lower, fy)
+    }
+}
