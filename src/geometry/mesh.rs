@@ -1,6 +1,6 @@
 //! Triangle meshes as loaded: indexed columns in their own (object) space.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 /// An indexed triangle mesh with one material, in object space.
 ///
@@ -23,4 +23,29 @@ pub struct Instance {
     pub mesh: u32,
     /// Object space → world; any invertible affine map, mirroring included.
     pub to_world: DAffine3,
+}
+
+impl Mesh {
+    /// The vertex normals of `triangle`, weighted; `None` if the mesh has none.
+    pub(super) fn interpolated_normal(&self, triangle: u32, weights: [f64; 3]) -> Option<DVec3> {
+        if self.normals.is_empty() {
+            return None;
+        }
+        let corners = self.triangles[triangle as usize];
+        let normal = |index: u32| DVec3::from(self.normals[index as usize].map(f64::from));
+        Some(corners.iter().zip(weights).map(|(&index, weight)| weight * normal(index)).sum())
+    }
+
+    /// Once triangles are in a hierarchy, only vertex normals and what finds them are still read.
+    pub(super) fn drop_what_shading_does_not_need(&mut self) {
+        self.positions = Vec::new();
+        if self.normals.is_empty() {
+            self.triangles = Vec::new();
+        }
+    }
+
+    /// Heap memory, bytes.
+    pub(super) fn memory_bytes(&self) -> usize {
+        12 * (self.positions.len() + self.normals.len() + self.triangles.len())
+    }
 }

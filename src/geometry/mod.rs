@@ -1,17 +1,20 @@
-//! Primitives, their intersection with lines and arcs, and the BVH over them.
+//! Primitives, their intersection with segments of rays, and the BVH over them.
+//!
+//! Operation × shape is the file name: [`sphere`](self), triangle and disk files hold one intersection with a line and
+//! one with an arc; [`Segment`] is what the BVH asks of either.
 
+mod bvh;
+mod disk;
+mod distance;
 mod mesh;
 mod primitives;
+mod scene;
+mod segment;
+mod sphere;
+mod triangle;
 
 pub use mesh::{Instance, Mesh};
 pub use primitives::{Disk, Primitives, Sphere, Surface};
-
-/// Primitives with their BVH.
-pub struct Geometry {}
-
-impl Geometry {
-    /// Builds the BVH, in parallel.
-    pub fn build(_primitives: Primitives) -> Self {
-        Self {}
-    }
-}
+pub use scene::{Counts, Geometry, Hit, PrimitiveId, SurfacePoint};
+pub use segment::{Chord, Line, Segment};
+pub use triangle::Triangle;

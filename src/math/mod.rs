@@ -1,1 +1,4 @@
-//! .
+//! Small numerics that no crate gives.
+
+pub mod bernstein;
+pub mod frame;

@@ -1,7 +1,16 @@
-//! Materials, their lobes, and light from infinity.
+//! Materials, their lobes, light from infinity, and the random numbers that choose among them.
 
+pub mod dielectric;
+pub mod diffuse;
 mod environment;
 mod material;
+mod media;
+pub mod mirror;
+mod sampler;
+mod scatter;
 
 pub use environment::{Environment, LatLong};
 pub use material::{Lobe, Material};
+pub use media::Media;
+pub use sampler::Sampler;
+pub use scatter::{Bounce, Incidence, scatter};

@@ -1,13 +1,42 @@
 //! From baked tables to a picture.
+//!
+//! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
+//! samples into passes, and has worker threads run the [`stages`] over them.
 
+mod columns;
+mod curved;
+mod paper;
+mod path;
+mod per_pixel;
+mod samples;
+pub mod stages;
 mod stats;
+mod straight;
+mod tile;
+pub mod transport;
+mod wavefront;
+mod work;
 
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::scene::Baked;
-pub use stats::Stats;
+use crate::geodesic::Control;
+use crate::scene::{Baked, SamplerKind, Schedule, SpacetimeKind, StepperKind};
+use crate::shade::Sampler;
+use crate::spacetime::{Chart, Schwarzschild};
+use curved::Curved;
+use paper::PaperMarch;
+use samples::{Samples, Wanted};
+pub use stats::{Counters, Fates, StageTimes, Stats};
+use straight::Straight;
+use tile::Tile;
+use transport::Transport;
+use wavefront::Wavefront;
+use work::Job;
 
 /// How a render runs; none of it changes a pixel's value, except by ending early.
 #[derive(Clone, Debug)]
@@ -51,8 +80,169 @@ pub struct Progress {
     pub total: u64,
 }
 
+/// Samples of the first passes: a picture soon, and Sobol' points in powers of two.
+const FIRST_PASSES: [u32; 4] = [1, 3, 4, 8];
+/// Samples of each pass after those.
+const PASS: u32 = 16;
+/// Samples below which the noise is not known well enough to stop.
+const FEWEST_FOR_NOISE: u32 = 16;
+
 /// Renders `scene`; `progress` is called from worker threads after each finished tile, and setting `cancel` ends the
 /// run after the tiles in work (pixels that miss the current pass keep the samples of the passes before).
-pub fn render(_scene: &Baked, _run: &Run, _cancel: &AtomicBool, _progress: &(dyn Fn(Progress) + Sync)) -> Rendered {
-    unimplemented!()
+pub fn render(scene: &Baked, run: &Run, cancel: &AtomicBool, progress: &(dyn Fn(Progress) + Sync)) -> Rendered {
+    let renderer = Renderer { scene, run, cancel, progress };
+    let settings = &scene.settings;
+    let (center, r_s) = match scene.spacetime {
+        SpacetimeKind::Flat => return renderer.render(&Straight::new(scene.geometry.bounds())),
+        SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => (center, schwarzschild_radius),
+    };
+    let medium = Schwarzschild::new(r_s);
+    let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
+    let chart = Chart::new(&medium, nearest, farthest, TAIL * settings.tolerance);
+    match settings.stepper {
+        StepperKind::Rk4Paper => renderer.render(&PaperMarch { medium, center, chart }),
+        StepperKind::Rkn4 => {
+            let arc_tolerance = scene.arc_tolerance();
+            renderer.render(&Curved {
+                medium,
+                center,
+                chart,
+                control: Control { tolerance: settings.tolerance, arc_tolerance },
+                longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
+                bounds: scene.geometry.bounds().unwrap_or((glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY)),
+            })
+        }
+    }
+}
+
+/// Error allowed to the far tail's closed form, relative to a step's.
+const TAIL: f64 = 0.1;
+/// Largest sagitta of a searched arc, relative to the median primitive.
+const SAGITTA: f64 = 0.25;
+
+struct Renderer<'a> {
+    scene: &'a Baked,
+    run: &'a Run,
+    cancel: &'a AtomicBool,
+    progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Renderer<'_> {
+    fn render<T: Transport>(&self, transport: &T) -> Rendered
+    where
+        T::Flights: Send,
+        T::Moves: Send,
+    {
+        let (settings, run) = (&self.scene.settings, self.run);
+        let sampler = match settings.sampler {
+            SamplerKind::Sobol => Sampler::sobol(settings.seed),
+            SamplerKind::Independent => Sampler::independent(settings.seed),
+        };
+        let job = Job { scene: self.scene, settings, sampler };
+        let wanted = Wanted::new(&run.aovs, run.noise.is_some());
+        let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
+        let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);
+        let started = Instant::now();
+        let (counters, times, threads) = match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
+            Ok(pool) => pool.install(|| self.passes(&job, transport, &mut tiles, wanted, started)),
+            // Without a pool of its own the render shares rayon's.
+            Err(_) => self.passes(&job, transport, &mut tiles, wanted, started),
+        };
+        let mut image = Image {
+            width: settings.width,
+            height: settings.height,
+            origin: (x0, y0),
+            size: (x1 - x0, y1 - y0),
+            planes: Vec::new(),
+            attributes: Vec::new(),
+        };
+        tile::assemble(&tiles, &run.aovs, &mut image);
+        let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
+        Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
+    }
+
+    /// All passes over all tiles.
+    fn passes<T: Transport>(
+        &self,
+        job: &Job,
+        transport: &T,
+        tiles: &mut [Tile],
+        wanted: Wanted,
+        started: Instant,
+    ) -> (Counters, StageTimes, usize)
+    where
+        T::Flights: Send,
+        T::Moves: Send,
+    {
+        let threads = rayon::current_num_threads();
+        let wavefronts: Vec<Mutex<Wavefront<T>>> =
+            (0..threads).map(|_| Mutex::new(Wavefront::new(self.run.batch))).collect();
+        let pixels: u64 = tiles.iter().map(|tile| (tile.size.0 * tile.size.1) as u64).sum();
+        let (done, total) = (AtomicU64::new(0), pixels * u64::from(job.settings.spp));
+        let (mut counters, mut times) = (Counters::default(), StageTimes::default());
+        let mut first_passes = FIRST_PASSES.into_iter();
+        let mut left = job.settings.spp;
+        while left > 0 && !self.should_stop(started) {
+            let count = first_passes.next().unwrap_or(PASS).min(left);
+            left -= count;
+            let results: Vec<(Counters, StageTimes)> = tiles
+                .par_iter_mut()
+                .map(|tile| {
+                    if self.should_stop(started) {
+                        return Default::default();
+                    }
+                    // A worker thread never waits here: the wavefront is its own.
+                    let own = &wavefronts[rayon::current_thread_index().unwrap_or(0)];
+                    let mut wavefront = own.lock().unwrap_or_else(PoisonError::into_inner);
+                    let result = trace_tile(job, transport, tile, &mut wavefront, (wanted, count));
+                    let paths = done.fetch_add(result.0.paths, Ordering::Relaxed) + result.0.paths;
+                    (self.progress)(Progress { done: paths, total });
+                    result
+                })
+                .collect();
+            for (count, time) in &results {
+                counters.add(count);
+                times.add(time);
+            }
+            if self.is_quiet(tiles) {
+                break;
+            }
+        }
+        (counters, times, threads)
+    }
+
+    fn should_stop(&self, started: Instant) -> bool {
+        let late = self.run.time_limit.is_some_and(|limit| started.elapsed() >= limit);
+        late || self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Whether the noise asked for is reached.
+    fn is_quiet(&self, tiles: &[Tile]) -> bool {
+        let Some(noise) = self.run.noise else { return false };
+        if tiles.iter().any(|tile| tile.spp < FEWEST_FOR_NOISE) {
+            return false;
+        }
+        let (error, pixels) =
+            tiles.iter().map(Tile::relative_error).fold((0.0, 0), |(e, n), (error, count)| (e + error, n + count));
+        error <= noise * pixels as f64
+    }
+}
+
+/// Traces `count` more samples of a tile's pixels.
+fn trace_tile<T: Transport>(
+    job: &Job,
+    transport: &T,
+    tile: &mut Tile,
+    wavefront: &mut Wavefront<T>,
+    (wanted, count): (Wanted, u32),
+) -> (Counters, StageTimes) {
+    let work = tile.work(count);
+    let mut samples = Samples::new(wanted, work.paths() as usize);
+    let (mut counters, mut times) = (Counters::default(), StageTimes::default());
+    match job.settings.schedule {
+        Schedule::Wavefront => wavefront.trace(job, transport, &work, &mut samples, &mut counters, &mut times),
+        Schedule::PerPixel => per_pixel::trace(job, transport, &work, &mut samples, &mut counters),
+    }
+    tile.add(&samples, count);
+    (counters, times)
 }

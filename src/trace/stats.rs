@@ -1,10 +1,155 @@
 //! What a render did, counted.
 
+use std::time::{Duration, Instant};
+
 use serde::Serialize;
 
+/// How rays ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Fates {
+    /// Met a surface.
+    pub hit: u64,
+    /// Left to infinity.
+    pub escaped: u64,
+    /// Fell through the horizon.
+    pub captured: u64,
+    /// Took more steps than allowed.
+    pub step_limit: u64,
+    /// Lost their state.
+    pub non_finite: u64,
+}
+
+/// Work done, counted by whoever does it and added up in a fixed order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counters {
+    /// Camera paths.
+    pub paths: u64,
+    /// Rays: camera rays and bounces.
+    pub rays: u64,
+    /// March steps, rejected ones included.
+    pub steps: u64,
+    /// BVH queries.
+    pub queries: u64,
+    /// How rays ended.
+    pub fates: Fates,
+}
+
+/// Seconds that worker threads spent in each stage, added over threads; wavefront schedule only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageTimes {
+    /// Camera rays.
+    pub generate: f64,
+    /// Integration steps and arcs.
+    pub advance: f64,
+    /// Searching the scene.
+    pub intersect: f64,
+    /// Deciding each ray's outcome, polishing hits.
+    pub settle: f64,
+    /// Light from infinity.
+    pub escape: f64,
+    /// Emission, roulette and scattering.
+    pub scatter: f64,
+    /// Results to the tile, freeing lanes.
+    pub film: f64,
+}
+
 /// Counts and times of one render.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Stats {
     /// Wall time of the render, seconds.
     pub seconds: f64,
+    /// Worker threads.
+    pub threads: usize,
+    /// Work done.
+    #[serde(flatten)]
+    pub counters: Counters,
+    /// Camera paths per second.
+    pub paths_per_second: f64,
+    /// March steps per second.
+    pub steps_per_second: f64,
+    /// BVH queries per camera path.
+    pub queries_per_path: f64,
+    /// BVH queries per ray.
+    pub queries_per_ray: f64,
+    /// March steps per ray.
+    pub steps_per_ray: f64,
+    /// Thread seconds by stage.
+    pub stages: StageTimes,
+    /// Largest resident memory of the process so far, bytes; absent where the system does not say.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+impl Counters {
+    /// Adds another worker's counts.
+    pub fn add(&mut self, other: &Counters) {
+        let Counters { paths, rays, steps, queries, fates } = other;
+        self.paths += paths;
+        self.rays += rays;
+        self.steps += steps;
+        self.queries += queries;
+        self.fates.hit += fates.hit;
+        self.fates.escaped += fates.escaped;
+        self.fates.captured += fates.captured;
+        self.fates.step_limit += fates.step_limit;
+        self.fates.non_finite += fates.non_finite;
+    }
+}
+
+impl StageTimes {
+    /// Adds another worker's times.
+    pub fn add(&mut self, other: &StageTimes) {
+        let StageTimes { generate, advance, intersect, settle, escape, scatter, film } = other;
+        self.generate += generate;
+        self.advance += advance;
+        self.intersect += intersect;
+        self.settle += settle;
+        self.escape += escape;
+        self.scatter += scatter;
+        self.film += film;
+    }
+}
+
+impl Stats {
+    /// Rates from counts and times.
+    pub fn new(counters: Counters, stages: StageTimes, elapsed: Duration, threads: usize) -> Self {
+        let seconds = elapsed.as_secs_f64();
+        let per = |count: u64, of: f64| if of > 0.0 { count as f64 / of } else { 0.0 };
+        Self {
+            seconds,
+            threads,
+            counters,
+            paths_per_second: per(counters.paths, seconds),
+            steps_per_second: per(counters.steps, seconds),
+            queries_per_path: per(counters.queries, counters.paths as f64),
+            queries_per_ray: per(counters.queries, counters.rays as f64),
+            steps_per_ray: per(counters.steps, counters.rays as f64),
+            stages,
+            peak_memory_bytes: peak_memory(),
+        }
+    }
+}
+
+/// Linux: VmHWM of /proc/self/status, kB.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
+}
+
+/// Times consecutive stages with one clock reading each.
+pub struct Lap(Instant);
+
+impl Lap {
+    /// Starts the clock.
+    pub fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    /// Adds the time since the last lap to `stage`.
+    pub fn end(&mut self, stage: &mut f64) {
+        let now = Instant::now();
+        *stage += (now - self.0).as_secs_f64();
+        self.0 = now;
+    }
 }

@@ -1,0 +1,53 @@
+//! Annulus against line and arc.
+
+use glam::DVec3;
+
+use super::{Disk, Line, triangle::cross_plane};
+use crate::geodesic::Arc;
+use crate::math::bernstein::positive;
+
+impl Disk {
+    #[inline(always)]
+    fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p - self.center)
+    }
+
+    /// Whether a point of the disk's plane lies between its radii.
+    #[inline(always)]
+    pub(super) fn holds(&self, p: DVec3) -> bool {
+        let radius2 = (p - self.center).length_squared();
+        radius2 >= self.inner * self.inner && radius2 <= self.outer * self.outer
+    }
+}
+
+/// First crossing of `disk` by `line`.
+#[inline(always)]
+pub fn cross_line(line: &Line, disk: &Disk, leaves: bool) -> Option<f64> {
+    let (start, end) = (disk.height(line.p0), disk.height(line.p2));
+    if leaves || positive(start) == positive(end) {
+        return None;
+    }
+    let s = start / (start - end);
+    disk.holds(line.p0 + s * (line.p2 - line.p0)).then_some(s)
+}
+
+/// First crossing of `disk` by `arc`.
+#[inline(always)]
+pub fn cross_arc(arc: &Arc, disk: &Disk, leaves: bool) -> Option<f64> {
+    let start = if leaves { 0.0 } else { disk.height(arc.p0) };
+    cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), leaves, |s| disk.holds(arc.point(s)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_hits_between_the_radii_only() {
+        let disk = Disk { center: DVec3::ZERO, normal: DVec3::Y, inner: 1.0, outer: 2.0 };
+        let through = |x: f64| {
+            cross_line(&Line { p0: DVec3::new(x, 1.0, 0.0), p2: DVec3::new(x, -1.0, 0.0) }, &disk, false)
+        };
+        assert_eq!((through(0.5), through(1.5), through(2.5)), (None, Some(0.5), None));
+    }
+}

@@ -1,0 +1,115 @@
+//! What a ray is made of when the scene is searched for hits: lines in flat space, arcs in curved.
+
+use glam::{DAffine3, DVec3};
+
+use super::{Disk, Sphere, Triangle, disk, sphere, triangle};
+use crate::geodesic::Arc;
+
+/// The straight line between a segment's ends, and how far the segment strays from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Chord {
+    /// Start.
+    pub start: DVec3,
+    /// End.
+    pub end: DVec3,
+    /// Largest distance between the segment and the chord.
+    pub sagitta: f64,
+}
+
+/// A piece of a ray over a parameter s in [0, 1], half-open: a crossing at the shared end of two segments belongs to
+/// exactly one of them.
+///
+/// The intersections give the smallest s at which the segment crosses the shape. `leaves` says that the segment starts
+/// on that very shape: the crossing at s = 0 is then divided out exactly, and later ones count.
+pub trait Segment: Copy {
+    /// Chord and sagitta.
+    fn chord(&self) -> Chord;
+    /// Point at `s`.
+    fn point(&self, s: f64) -> DVec3;
+    /// The segment under an affine map; the parameter keeps its meaning.
+    fn transformed(&self, map: &DAffine3) -> Self;
+    /// First crossing of a sphere.
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64>;
+    /// First crossing of a triangle.
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64>;
+    /// First crossing of an annulus.
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64>;
+}
+
+/// A straight segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Start.
+    pub p0: DVec3,
+    /// End.
+    pub p2: DVec3,
+}
+
+impl Segment for Line {
+    #[inline(always)]
+    fn chord(&self) -> Chord {
+        Chord { start: self.p0, end: self.p2, sagitta: 0.0 }
+    }
+
+    #[inline(always)]
+    fn point(&self, s: f64) -> DVec3 {
+        self.p0 + s * (self.p2 - self.p0)
+    }
+
+    #[inline]
+    fn transformed(&self, map: &DAffine3) -> Self {
+        Line { p0: map.transform_point3(self.p0), p2: map.transform_point3(self.p2) }
+    }
+
+    #[inline(always)]
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64> {
+        sphere::cross_line(self, sphere, leaves)
+    }
+
+    #[inline(always)]
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64> {
+        triangle::cross_line(self, triangle, leaves)
+    }
+
+    #[inline(always)]
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64> {
+        disk::cross_line(self, disk, leaves)
+    }
+}
+
+impl Segment for Arc {
+    #[inline(always)]
+    fn chord(&self) -> Chord {
+        Chord { start: self.p0, end: self.p2, sagitta: self.sagitta() }
+    }
+
+    #[inline(always)]
+    fn point(&self, s: f64) -> DVec3 {
+        Arc::point(self, s)
+    }
+
+    #[inline]
+    fn transformed(&self, map: &DAffine3) -> Self {
+        Arc {
+            p0: map.transform_point3(self.p0),
+            p1: map.transform_point3(self.p1),
+            p2: map.transform_point3(self.p2),
+            w: self.w,
+        }
+    }
+
+    #[inline(always)]
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64> {
+        sphere::cross_arc(self, sphere, leaves)
+    }
+
+    #[inline(always)]
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64> {
+        triangle::cross_arc(self, triangle, leaves)
+    }
+
+    #[inline(always)]
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64> {
+        disk::cross_arc(self, disk, leaves)
+    }
+}

@@ -1,0 +1,168 @@
+//! The first sign change of a polynomial in Bernstein form on [0, 1].
+//!
+//! Signs decide: a polynomial that starts on one side of zero and ends on the other has a root, whatever the rounding
+//! in between. Zero counts as positive, so that consecutive intervals share a crossing at their common end exactly
+//! once.
+
+/// Smallest `s` in [0, 1] at which Σ `c[i]` B_i(s) changes sign, if any.
+///
+/// A root of even multiplicity (a touch without crossing) may be missed. Descartes' rule in Bernstein form: no sign
+/// variation, no root; one variation, one root; else subdivide.
+pub fn first_sign_change<const N: usize>(c: [f64; N]) -> Option<f64> {
+    match variations(&c) {
+        0 => None,
+        1 => Some(bracketed_root(&c)),
+        _ => subdivided(c),
+    }
+}
+
+/// Whether a value lies on the positive side; zero does.
+#[inline(always)]
+pub fn positive(value: f64) -> bool {
+    value >= 0.0
+}
+
+#[inline(always)]
+fn variations<const N: usize>(c: &[f64; N]) -> usize {
+    c.windows(2).filter(|pair| positive(pair[0]) != positive(pair[1])).count()
+}
+
+/// Depth at which two roots in one interval are taken for a touch: they are closer than 2⁻⁴⁰ of it.
+const MAX_DEPTH: u32 = 40;
+
+/// Depth-first, left half before right half.
+fn subdivided<const N: usize>(c: [f64; N]) -> Option<f64> {
+    let mut pending = [(c, 0.0, 1.0, 0u32); MAX_DEPTH as usize + 1];
+    let mut count = 1;
+    while count > 0 {
+        count -= 1;
+        let (c, start, width, depth) = pending[count];
+        match variations(&c) {
+            0 => {}
+            1 => return Some(start + width * bracketed_root(&c)),
+            _ if depth == MAX_DEPTH => {}
+            _ => {
+                let (left, right) = halves(c);
+                let half = 0.5 * width;
+                pending[count] = (right, start + half, half, depth + 1);
+                pending[count + 1] = (left, start, half, depth + 1);
+                count += 2;
+            }
+        }
+        if count + 1 >= pending.len() {
+            return None;
+        }
+    }
+    None
+}
+
+/// De Casteljau's subdivision at ½.
+fn halves<const N: usize>(mut c: [f64; N]) -> ([f64; N], [f64; N]) {
+    let mut left = [0.0; N];
+    let mut right = [0.0; N];
+    for level in 0..N {
+        left[level] = c[0];
+        right[N - 1 - level] = c[N - 1 - level];
+        for i in 0..N - 1 - level {
+            c[i] = 0.5 * (c[i] + c[i + 1]);
+        }
+    }
+    (left, right)
+}
+
+/// Value of the polynomial at `s`, by de Casteljau's algorithm.
+#[inline]
+fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
+    let mut c = *c;
+    for level in 1..N {
+        for i in 0..N - level {
+            c[i] += s * (c[i + 1] - c[i]);
+        }
+    }
+    c[0]
+}
+
+/// The root of a polynomial with exactly one sign variation: regula falsi with Illinois' correction, safeguarded by
+/// bisection.
+fn bracketed_root<const N: usize>(c: &[f64; N]) -> f64 {
+    let (mut a, mut b) = (0.0, 1.0);
+    let (mut fa, mut fb) = (c[0], c[N - 1]);
+    let scale = fa.abs().max(fb.abs());
+    let mut side = 0i8;
+    for iteration in 0..100 {
+        let s = if iteration % 8 == 7 { 0.5 * (a + b) } else { (a * fb - b * fa) / (fb - fa) };
+        let s = s.clamp(a, b);
+        let f = value(c, s);
+        if f.abs() <= 1e-15 * scale || b - a <= 4e-16 {
+            return s;
+        }
+        if positive(f) == positive(fb) {
+            (b, fb) = (s, f);
+            if side == 1 {
+                fa *= 0.5;
+            }
+            side = 1;
+        } else {
+            (a, fa) = (s, f);
+            if side == -1 {
+                fb *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    0.5 * (a + b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bernstein coefficients of Π (s − r) times `lead`, degree 4.
+    fn from_roots(roots: [f64; 4], lead: f64) -> [f64; 5] {
+        let mut monomial = [lead, 0.0, 0.0, 0.0, 0.0];
+        for (degree, r) in roots.iter().enumerate() {
+            for k in (0..=degree).rev() {
+                monomial[k + 1] += monomial[k];
+                monomial[k] *= -r;
+            }
+        }
+        let binomial = [1.0, 4.0, 6.0, 4.0, 1.0];
+        let choose = |n: usize, k: usize| (0..k).fold(1.0, |p, i| p * (n - i) as f64 / (i + 1) as f64);
+        std::array::from_fn(|i| (0..=i).map(|k| choose(i, k) / binomial[k] * monomial[k]).sum())
+    }
+
+    #[test]
+    fn the_smallest_root_in_the_interval_is_found() {
+        for (roots, expected) in [
+            ([0.25, 2.0, 3.0, -1.0], Some(0.25)),
+            ([0.75, 0.5, 0.25, 0.125], Some(0.125)),
+            ([0.9, 0.3, 5.0, -2.0], Some(0.3)),
+            ([0.5001, 0.5, 7.0, -9.0], Some(0.5)),
+            ([2.0, 3.0, -1.0, -2.0], None),
+            ([1e-9, 0.5, 3.0, 4.0], Some(1e-9)),
+        ] {
+            for lead in [1.0, -3.0, 1e10] {
+                let found = first_sign_change(from_roots(roots, lead));
+                match (found, expected) {
+                    (Some(found), Some(expected)) => {
+                        assert!((found - expected).abs() < 1e-9, "{roots:?}: {found} is not {expected}")
+                    }
+                    (found, expected) => assert_eq!(found, expected, "{roots:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_touch_without_crossing_is_no_sign_change_and_ends() {
+        assert_eq!(first_sign_change(from_roots([0.5, 0.5, 2.0, 3.0], 1.0)), None);
+    }
+
+    #[test]
+    fn a_crossing_at_a_shared_end_is_found_once() {
+        let rising = [-1.0, -0.5, 0.0];
+        let onwards = [0.0, 0.5, 1.0];
+        let found = [first_sign_change(rising), first_sign_change(onwards)];
+        assert_eq!(found.iter().flatten().count(), 1, "{found:?}");
+    }
+}

@@ -1,0 +1,129 @@
+//! The paper's march, as the baseline: RK4 in coordinate time, straight look-ahead, step halving near surfaces.
+//!
+//! Reference: \[J\] Jackson, Normann, Hatledal 2025, "The Warped Universe", Algorithm 2.
+
+use glam::DVec3;
+
+use super::columns::columns;
+use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
+use crate::geodesic::PaperRk4;
+use crate::geometry::{Geometry, Line, PrimitiveId};
+use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild, Stop};
+
+/// First step \[J\].
+const FIRST_STEP: f64 = 10.0;
+/// A surface this near counts as hit \[J, sigma\].
+const SIGMA: f64 = 0.1;
+/// Step × this before a surface that is farther \[J\].
+const SHRINK: f64 = 0.5;
+/// Step × this after a free step \[J\].
+const GROW: f64 = 1.05;
+/// Largest step \[J\].
+const LARGEST_STEP: f64 = 20.0;
+/// Most iterations \[J\].
+const MAX_ITERATIONS: u32 = 300;
+
+/// The paper's march around a hole.
+pub struct PaperMarch {
+    /// The spacetime.
+    pub medium: Schwarzschild,
+    /// World position of the hole.
+    pub center: DVec3,
+    /// Where rays may stop.
+    pub chart: Chart,
+}
+
+columns! {
+    /// A ray of the paper's march; position relative to the hole.
+    pub struct PaperFlight => PaperFlights {
+        /// Position.
+        position: DVec3,
+        /// Momentum.
+        momentum: DVec3,
+        /// Coordinate time to advance next.
+        step: f64,
+        /// What the position lies on, until the first step is taken.
+        leaves: PrimitiveId,
+        /// Iterations so far.
+        steps: u32,
+    }
+}
+
+columns! {
+    /// One iteration: the straight look-ahead, and where RK4 goes if it is free.
+    pub struct PaperMove => PaperMoves {
+        /// End of the look-ahead, relative to the hole.
+        ahead: DVec3,
+        /// Position after the step.
+        position: DVec3,
+        /// Momentum after the step.
+        momentum: DVec3,
+    }
+}
+
+impl Transport for PaperMarch {
+    type Flights = PaperFlights;
+    type Moves = PaperMoves;
+    type Segment = Line;
+
+    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
+        let x = position - self.center;
+        PaperFlight { position: x, momentum: self.medium.momentum(x, direction), step: FIRST_STEP, leaves, steps: 0 }
+    }
+
+    #[inline(always)]
+    fn advance(&self, flight: &PaperFlight) -> PaperMove {
+        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
+        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
+        PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
+    }
+
+    #[inline(always)]
+    fn search(
+        &self,
+        flight: &Flight<Self>,
+        step: &Move<Self>,
+        mut search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
+    ) -> Option<Found> {
+        search(&Line { p0: flight.position + self.center, p2: step.ahead + self.center }, flight.leaves)
+    }
+
+    #[inline(always)]
+    fn settle(
+        &self,
+        _: &Geometry,
+        flight: &Flight<Self>,
+        step: &Move<Self>,
+        found: Option<Found>,
+    ) -> Outcome<PaperFlight> {
+        let steps = flight.steps + 1;
+        if let Some(Found { point, primitive }) = found {
+            if (point - self.center).distance(flight.position) < SIGMA {
+                let direction = flight.momentum.normalize();
+                return Outcome::Landed(Landing { position: point, direction, primitive });
+            }
+            let closer = PaperFlight { step: SHRINK * flight.step, steps, ..*flight };
+            return if steps < MAX_ITERATIONS { Outcome::Flying(closer) } else { Outcome::StepLimit };
+        }
+        let (position, momentum) = (step.position, step.momentum);
+        if !(position.is_finite() && momentum.is_finite()) {
+            return Outcome::NonFinite;
+        }
+        match self.chart.stop(position, momentum) {
+            Some(Stop::Escaped) => Outcome::Escaped(self.medium.escape_direction(position, momentum)),
+            Some(Stop::Captured) => Outcome::Captured,
+            None if steps >= MAX_ITERATIONS => Outcome::StepLimit,
+            None => Outcome::Flying(PaperFlight {
+                position,
+                momentum,
+                step: (GROW * flight.step).min(LARGEST_STEP),
+                leaves: PrimitiveId::NONE,
+                steps,
+            }),
+        }
+    }
+
+    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64 {
+        point.map_or(step.position, |p| p - self.center).distance(flight.position)
+    }
+}

@@ -1,0 +1,26 @@
+//! What a path carries from vertex to vertex: the cold columns, touched only where something happens.
+
+use glam::Vec3;
+
+use super::columns::columns;
+use crate::shade::Media;
+
+columns! {
+    /// A camera path under way.
+    pub struct Path => PathColumns {
+        /// Pixel, counted over the whole image row by row: keys the random numbers.
+        pixel: u32,
+        /// Sample of that pixel.
+        sample: u32,
+        /// Where its result goes in the tile's samples.
+        slot: u32,
+        /// Ray segments so far, the one in flight included.
+        depth: u32,
+        /// Product of bounce weights.
+        throughput: Vec3,
+        /// Light gathered so far.
+        radiance: Vec3,
+        /// Dielectrics around the path.
+        media: Media,
+    }
+}

@@ -1,0 +1,81 @@
+//! The per-pixel schedule: one path after the other, from the camera to its end.
+
+use super::samples::{Fate, Samples};
+use super::stages::emit::emit;
+use super::stages::escape::escape;
+use super::stages::generate::generate;
+use super::stages::intersect::intersect;
+use super::stages::record::{record_end, record_hit, record_step};
+use super::stages::scatter::scatter;
+use super::stats::Counters;
+use super::transport::{Outcome, Transport};
+use super::work::{Job, Work};
+use crate::geometry::PrimitiveId;
+
+/// Traces all paths of `work` into `samples`.
+pub fn trace<T: Transport>(job: &Job, transport: &T, work: &Work, samples: &mut Samples, counters: &mut Counters) {
+    for index in 0..work.paths() {
+        trace_path(job, transport, work, index, samples, counters);
+    }
+}
+
+fn trace_path<T: Transport>(
+    job: &Job,
+    transport: &T,
+    work: &Work,
+    index: u32,
+    samples: &mut Samples,
+    counters: &mut Counters,
+) {
+    let geometry = &job.scene.geometry;
+    let (mut path, position, direction) = generate(job, work, index);
+    let mut flight = transport.launch(position, direction, PrimitiveId::NONE);
+    counters.paths += 1;
+    counters.rays += 1;
+    loop {
+        let step = transport.advance(&flight);
+        let found = intersect(transport, geometry, &flight, &step, counters);
+        record_step(&path, || transport.length(&flight, &step, found.map(|f| f.point)), samples);
+        let fate = match transport.settle(geometry, &flight, &step, found) {
+            Outcome::Flying(next) => {
+                flight = next;
+                continue;
+            }
+            Outcome::Landed(landing) => {
+                counters.fates.hit += 1;
+                let surface = geometry.surface_point(landing.primitive, landing.position);
+                record_hit(job, &path, &landing, &surface, samples);
+                let material = &job.scene.materials[surface.surface.material as usize];
+                emit(material, &surface, landing.direction, &mut path);
+                match scatter(job, &mut path, &landing, &surface) {
+                    Some(direction) => {
+                        flight = transport.launch(landing.position, direction, landing.primitive);
+                        counters.rays += 1;
+                        continue;
+                    }
+                    None => break,
+                }
+            }
+            Outcome::Escaped(direction) => {
+                counters.fates.escaped += 1;
+                escape(job, &mut path, direction);
+                Fate::Escaped
+            }
+            Outcome::Captured => {
+                counters.fates.captured += 1;
+                Fate::Captured
+            }
+            Outcome::StepLimit => {
+                counters.fates.step_limit += 1;
+                Fate::StepLimit
+            }
+            Outcome::NonFinite => {
+                counters.fates.non_finite += 1;
+                Fate::NonFinite
+            }
+        };
+        record_end(&path, fate, samples);
+        break;
+    }
+    samples.radiance[path.slot as usize] = path.radiance;
+}

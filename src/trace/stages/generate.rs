@@ -1,0 +1,55 @@
+//! Camera rays.
+
+use glam::{DVec2, DVec3, Vec3};
+
+use super::super::path::Path;
+use super::super::work::{Job, Work};
+use crate::scene::Filter;
+use crate::shade::Media;
+
+/// The path `index` of `work`, with the world start and unit direction of its camera ray.
+///
+/// Paths are numbered sample by sample within each pixel, so that lanes next to each other see much the same scene.
+#[inline]
+pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
+    let (x, y) = work.pixel(index / work.samples);
+    let sample = work.first_sample + index % work.samples;
+    let pixel = (y * job.settings.width + x) as u32;
+    let [u, v, ..] = job.sampler.four(pixel, sample, 0).map(f64::from);
+    let offset = match job.settings.filter {
+        Filter::Box => DVec2::new(u, v),
+        Filter::Tent => DVec2::new(0.5 + tent(u), 0.5 + tent(v)),
+    };
+    let size = DVec2::new(job.settings.width as f64, job.settings.height as f64);
+    let film = (DVec2::new(x as f64, y as f64) + offset) / size;
+    let (origin, direction) = job.scene.camera.ray(film, size.x / size.y);
+    let path = Path {
+        pixel,
+        sample,
+        slot: index,
+        depth: 1,
+        throughput: Vec3::ONE,
+        radiance: Vec3::ZERO,
+        media: Media::VACUUM,
+    };
+    (path, origin, direction)
+}
+
+/// A number with the density of a tent on [−1, 1].
+fn tent(u: f64) -> f64 {
+    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tent;
+
+    #[test]
+    fn the_tent_has_mean_zero_and_variance_one_sixth() {
+        const N: usize = 100_000;
+        let points = || (0..N).map(|i| tent((i as f64 + 0.5) / N as f64));
+        let mean = points().sum::<f64>() / N as f64;
+        let variance = points().map(|t| t * t).sum::<f64>() / N as f64;
+        assert!(mean.abs() < 1e-9 && (variance - 1.0 / 6.0).abs() < 1e-6, "{mean} {variance}");
+    }
+}

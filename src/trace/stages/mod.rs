@@ -1,0 +1,22 @@
+//! The kernels of the pipeline, one stage a file; each works on one path and is run by either schedule.
+//!
+//! | stage | reads | writes |
+//! |---|---|---|
+//! | [`generate`] | camera, film point | a path, a ray |
+//! | advance ([`Transport::advance`]) | ray | move |
+//! | [`intersect`] | move, geometry | what is found |
+//! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
+//! | [`escape`] | direction at infinity, environment | radiance |
+//! | [`emit`] | landing, material | radiance |
+//! | [`scatter`] | landing, material | throughput, a ray |
+//! | [`record`] | camera ray | first-hit planes, only those asked for |
+//!
+//! [`Transport::advance`]: super::transport::Transport::advance
+//! [`Transport::settle`]: super::transport::Transport::settle
+
+pub mod emit;
+pub mod escape;
+pub mod generate;
+pub mod intersect;
+pub mod record;
+pub mod scatter;

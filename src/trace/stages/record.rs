@@ -1,0 +1,47 @@
+//! What the camera ray meets, for the planes that were asked for.
+
+use super::super::path::Path;
+use super::super::samples::{Fate, FirstHit, Samples};
+use super::super::transport::Landing;
+use super::super::work::Job;
+use crate::geometry::SurfacePoint;
+
+/// Records the surface that a camera ray lands on; later rays are not recorded.
+#[inline]
+pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePoint, samples: &mut Samples) {
+    if path.depth > 1 || !samples.wanted().first_hit {
+        return;
+    }
+    let first = &mut samples.first[path.slot as usize];
+    *first = FirstHit {
+        fate: Fate::Hit,
+        depth: first.depth,
+        position: landing.position,
+        normal: surface.shading_normal,
+        albedo: job.scene.materials[surface.surface.material as usize].albedo(),
+        entity: surface.surface.entity,
+    };
+}
+
+/// Records how a camera ray ended that meets nothing.
+#[inline]
+pub fn record_end(path: &Path, fate: Fate, samples: &mut Samples) {
+    if path.depth > 1 {
+        return;
+    }
+    samples.covered[path.slot as usize] = fate != Fate::Escaped;
+    if samples.wanted().first_hit {
+        samples.first[path.slot as usize].fate = fate;
+    }
+}
+
+/// Adds a step, and for camera rays its length, computed only if wanted.
+#[inline]
+pub fn record_step(path: &Path, length: impl FnOnce() -> f64, samples: &mut Samples) {
+    if samples.wanted().steps {
+        samples.steps[path.slot as usize] += 1;
+    }
+    if samples.wanted().depth && path.depth == 1 {
+        samples.first[path.slot as usize].depth += length();
+    }
+}

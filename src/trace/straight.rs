@@ -1,0 +1,97 @@
+//! Straight rays: flat space needs one move and one query per ray.
+
+use glam::DVec3;
+
+use super::columns::columns;
+use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
+use crate::geometry::{Geometry, Line, PrimitiveId};
+
+/// Rays of flat space, followed to where they leave the scene's bounds.
+pub struct Straight {
+    min: DVec3,
+    max: DVec3,
+}
+
+columns! {
+    /// A straight ray.
+    pub struct StraightFlight => StraightFlights {
+        /// World start.
+        position: DVec3,
+        /// Unit direction.
+        direction: DVec3,
+        /// What it starts on.
+        leaves: PrimitiveId,
+    }
+}
+
+columns! {
+    /// Its only move.
+    pub struct StraightMove => StraightMoves {
+        /// Where the ray has left the bounds for good; its start if it never meets them.
+        end: DVec3,
+    }
+}
+
+impl Straight {
+    /// Rays among geometry within `bounds` (min, max), if there is any.
+    pub fn new(bounds: Option<(DVec3, DVec3)>) -> Self {
+        let (min, max) = bounds.unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
+        // Room for the rounding of the exit point.
+        let margin = 1e-9 * min.abs().max(max.abs()).max_element();
+        let margin = if margin.is_finite() { DVec3::splat(margin) } else { DVec3::ZERO };
+        Self { min: min - margin, max: max + margin }
+    }
+}
+
+impl Transport for Straight {
+    type Flights = StraightFlights;
+    type Moves = StraightMoves;
+    type Segment = Line;
+
+    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
+        StraightFlight { position, direction, leaves }
+    }
+
+    #[inline(always)]
+    fn advance(&self, flight: &StraightFlight) -> StraightMove {
+        let inverse = flight.direction.recip();
+        let (a, b) = ((self.min - flight.position) * inverse, (self.max - flight.position) * inverse);
+        // A zero component inside its slab gives ∓∞ and on its edge NaN, which `min` and `max` pass over.
+        let leave = a.max(b).min_element();
+        let enter = a.min(b).max_element();
+        let inside = leave >= enter && leave > 0.0 && leave.is_finite();
+        StraightMove { end: if inside { flight.position + leave * flight.direction } else { flight.position } }
+    }
+
+    #[inline(always)]
+    fn search(
+        &self,
+        flight: &Flight<Self>,
+        step: &Move<Self>,
+        mut search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
+    ) -> Option<Found> {
+        if step.end == flight.position {
+            return None;
+        }
+        search(&Line { p0: flight.position, p2: step.end }, flight.leaves)
+    }
+
+    #[inline(always)]
+    fn settle(
+        &self,
+        _: &Geometry,
+        flight: &Flight<Self>,
+        _: &Move<Self>,
+        found: Option<Found>,
+    ) -> Outcome<StraightFlight> {
+        let direction = flight.direction;
+        match found {
+            Some(Found { point, primitive }) => Outcome::Landed(Landing { position: point, direction, primitive }),
+            None => Outcome::Escaped(direction),
+        }
+    }
+
+    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64 {
+        point.unwrap_or(step.end).distance(flight.position)
+    }
+}

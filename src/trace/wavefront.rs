@@ -1,0 +1,207 @@
+//! The wavefront schedule: a batch of rays advances one move at a time, stage after stage.
+//!
+//! A worker owns its wavefront; nothing is shared and nothing is atomic. Lanes are dense: a path that ends leaves its
+//! lane to a new camera path, and when none are left, to the last lane. What a lane computes depends on its path alone,
+//! so the picture depends neither on the batch size nor on the order of lanes.
+
+use super::columns::Columns;
+use super::path::{Path, PathColumns};
+use super::samples::{Fate, Samples};
+use super::stages::emit::emit;
+use super::stages::escape::escape;
+use super::stages::generate::generate;
+use super::stages::intersect::intersect;
+use super::stages::record::{record_end, record_hit, record_step};
+use super::stages::scatter::scatter;
+use super::stats::{Counters, Lap, StageTimes};
+use super::transport::{Found, Landing, Outcome, Transport};
+use super::work::{Job, Work};
+use crate::geometry::PrimitiveId;
+use glam::DVec3;
+
+/// A worker's rays.
+pub struct Wavefront<T: Transport> {
+    flights: T::Flights,
+    moves: T::Moves,
+    paths: PathColumns,
+    found: Vec<Option<Found>>,
+    /// Lanes in use.
+    live: usize,
+    capacity: usize,
+    events: Events,
+}
+
+/// What happened in a round, as lists of lanes.
+#[derive(Default)]
+struct Events {
+    landed: Vec<(usize, Landing)>,
+    escaped: Vec<(usize, DVec3)>,
+    ended: Vec<(usize, Fate)>,
+    finished: Vec<usize>,
+}
+
+impl<T: Transport> Wavefront<T> {
+    /// A wavefront of at most `capacity` lanes.
+    pub fn new(capacity: usize) -> Self {
+        Self {
+            flights: T::Flights::default(),
+            moves: T::Moves::default(),
+            paths: PathColumns::default(),
+            found: Vec::new(),
+            live: 0,
+            capacity,
+            events: Events::default(),
+        }
+    }
+
+    /// Traces all paths of `work` into `samples`.
+    pub fn trace(
+        &mut self,
+        job: &Job,
+        transport: &T,
+        work: &Work,
+        samples: &mut Samples,
+        counters: &mut Counters,
+        times: &mut StageTimes,
+    ) {
+        self.resize(self.capacity.min(work.paths() as usize));
+        let mut next = 0;
+        let mut lap = Lap::start();
+        loop {
+            self.generate(job, transport, work, &mut next, counters);
+            lap.end(&mut times.generate);
+            if self.live == 0 {
+                return;
+            }
+            self.advance(transport);
+            lap.end(&mut times.advance);
+            self.intersect(job, transport, counters);
+            lap.end(&mut times.intersect);
+            self.settle(job, transport, samples, counters);
+            lap.end(&mut times.settle);
+            self.escape(job, samples);
+            lap.end(&mut times.escape);
+            self.scatter(job, transport, samples, counters);
+            lap.end(&mut times.scatter);
+            self.film(samples);
+            lap.end(&mut times.film);
+        }
+    }
+
+    fn resize(&mut self, lanes: usize) {
+        self.flights.resize(lanes);
+        self.moves.resize(lanes);
+        self.paths.resize(lanes);
+        self.found.resize(lanes, None);
+    }
+
+    /// Fills free lanes with camera paths, from number `next` on.
+    fn generate(&mut self, job: &Job, transport: &T, work: &Work, next: &mut u32, counters: &mut Counters) {
+        while self.live < self.found.len() && *next < work.paths() {
+            let (path, position, direction) = generate(job, work, *next);
+            self.paths.set(self.live, path);
+            self.flights.set(self.live, transport.launch(position, direction, PrimitiveId::NONE));
+            self.live += 1;
+            *next += 1;
+            counters.paths += 1;
+            counters.rays += 1;
+        }
+    }
+
+    fn advance(&mut self, transport: &T) {
+        for lane in 0..self.live {
+            self.moves.set(lane, transport.advance(&self.flights.get(lane)));
+        }
+    }
+
+    fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
+        for lane in 0..self.live {
+            let (flight, step) = (self.flights.get(lane), self.moves.get(lane));
+            self.found[lane] = intersect(transport, &job.scene.geometry, &flight, &step, counters);
+        }
+    }
+
+    /// Sorts lanes by what became of their rays; those still flying take their step.
+    fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
+        let records_steps = samples.wanted().steps || samples.wanted().depth;
+        let events = &mut self.events;
+        for lane in 0..self.live {
+            let (flight, step, found) = (self.flights.get(lane), self.moves.get(lane), self.found[lane]);
+            if records_steps {
+                let length = || transport.length(&flight, &step, found.map(|f| f.point));
+                record_step(&self.paths.get(lane), length, samples);
+            }
+            let fates = &mut counters.fates;
+            match transport.settle(&job.scene.geometry, &flight, &step, found) {
+                Outcome::Flying(next) => self.flights.set(lane, next),
+                Outcome::Landed(landing) => {
+                    fates.hit += 1;
+                    events.landed.push((lane, landing));
+                }
+                Outcome::Escaped(direction) => {
+                    fates.escaped += 1;
+                    events.escaped.push((lane, direction));
+                }
+                Outcome::Captured => {
+                    fates.captured += 1;
+                    events.ended.push((lane, Fate::Captured));
+                }
+                Outcome::StepLimit => {
+                    fates.step_limit += 1;
+                    events.ended.push((lane, Fate::StepLimit));
+                }
+                Outcome::NonFinite => {
+                    fates.non_finite += 1;
+                    events.ended.push((lane, Fate::NonFinite));
+                }
+            }
+        }
+    }
+
+    /// Ends the paths whose rays met nothing.
+    fn escape(&mut self, job: &Job, samples: &mut Samples) {
+        for (lane, direction) in self.events.escaped.drain(..) {
+            let mut path = self.paths.get(lane);
+            escape(job, &mut path, direction);
+            record_end(&path, Fate::Escaped, samples);
+            self.paths.set(lane, path);
+            self.events.finished.push(lane);
+        }
+        for (lane, fate) in self.events.ended.drain(..) {
+            record_end(&self.paths.get(lane), fate, samples);
+            self.events.finished.push(lane);
+        }
+    }
+
+    /// Gathers emission where rays landed and launches their continuations in the same lanes.
+    fn scatter(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
+        let geometry = &job.scene.geometry;
+        for (lane, landing) in self.events.landed.drain(..) {
+            let mut path = self.paths.get(lane);
+            let surface = geometry.surface_point(landing.primitive, landing.position);
+            record_hit(job, &path, &landing, &surface, samples);
+            let material = &job.scene.materials[surface.surface.material as usize];
+            emit(material, &surface, landing.direction, &mut path);
+            match scatter(job, &mut path, &landing, &surface) {
+                Some(direction) => {
+                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                    counters.rays += 1;
+                }
+                None => self.events.finished.push(lane),
+            }
+            self.paths.set(lane, path);
+        }
+    }
+
+    /// Hands in finished paths and closes their lanes up, from the back so that no finished lane is moved.
+    fn film(&mut self, samples: &mut Samples) {
+        self.events.finished.sort_unstable();
+        while let Some(lane) = self.events.finished.pop() {
+            let Path { slot, radiance, .. } = self.paths.get(lane);
+            samples.radiance[slot as usize] = radiance;
+            self.live -= 1;
+            self.paths.set(lane, self.paths.get(self.live));
+            self.flights.set(lane, self.flights.get(self.live));
+        }
+    }
+}
