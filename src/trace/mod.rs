@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::film::{Aov, Image};
 use crate::scene::Baked;
-pub use stats::Stats;
+pub use stats::{Fates, Stats};
 
 /// How a render runs; none of it changes a pixel's value, except by ending early.
 #[derive(Clone, Debug)]
