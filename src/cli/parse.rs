@@ -132,8 +132,9 @@ pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
 
 fn with_extension(text: &OsStr, extension: &str) -> Result<PathBuf, String> {
     let path = Path::new(text);
+    let names_folder = text.to_string_lossy().ends_with(std::path::is_separator);
     match path.extension() {
-        Some(found) if found.eq_ignore_ascii_case(extension) => Ok(path.to_owned()),
+        Some(found) if found.eq_ignore_ascii_case(extension) && !names_folder => Ok(path.to_owned()),
         _ => Err(format!("give a file name that ends in .{extension}")),
     }
 }
@@ -185,7 +186,7 @@ mod tests {
         assert!(["0", "-1", "4294967296", "1.5"].iter().all(|s| count(s).is_err()));
         assert!(["nan", "1e9", "-61"].iter().all(|s| exposure(s).is_err()));
         assert!(
-            ["out", "out.png", ".exr", ""]
+            ["out", "out.png", ".exr", "out.exr/", ""]
                 .iter()
                 .all(|s| exr(OsStr::new(s)).is_err())
         );
