@@ -308,7 +308,8 @@ fn paths(settings: &Settings) -> String {
 }
 
 fn point(coordinates: &[f64; 3]) -> String {
-    let [x, y, z] = coordinates;
+    // Adding zero turns -0 into 0.
+    let [x, y, z] = coordinates.map(|coordinate| coordinate + 0.0);
     format!("({x}, {y}, {z})")
 }
 

@@ -25,11 +25,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let rendered = trace::render(&scene, &run, interrupt.flag(), &|progress| bar.update(progress));
     bar.finish();
 
-    let losses = summary::losses(&rendered, scene.settings.spp, interrupt.happened());
+    let asked_spp = scene.settings.spp;
+    let losses = summary::losses(&rendered, asked_spp, interrupt.happened());
     losses.iter().for_each(|loss| say(format!("warning: {loss}")));
     let names = outputs.names();
     outputs.write(&rendered, &scene.settings, &args.scene.path)?;
-    say(format!("{}; wrote {names}", summary::line(&rendered)));
+    say(format!("{}; wrote {names}", summary::line(&rendered, asked_spp)));
     let complete = losses.is_empty() && scene.warnings.is_empty();
     Ok(if args.strict && !complete {
         Outcome::Lost

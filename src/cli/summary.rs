@@ -4,13 +4,17 @@ use super::units::decimal;
 use crate::trace::{Fates, Rendered};
 
 /// Size, samples, time and speed, on one line.
-pub(super) fn line(rendered: &Rendered) -> String {
+pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
     let Rendered { image, spp, stats } = rendered;
     let mut parts = vec![format!("{}x{}", image.size.0, image.size.1)];
     if image.size != (image.width, image.height) {
         parts.push(format!("cropped from {}x{}", image.width, image.height));
     }
-    parts.push(format!("{spp} spp"));
+    parts.push(if *spp < asked_spp {
+        format!("{spp} of {asked_spp} spp")
+    } else {
+        format!("{spp} spp")
+    });
     parts.push(format!("{:.2} s", stats.seconds));
     if stats.seconds > 0.0 {
         let rates = [

@@ -11,7 +11,9 @@ const BRIGHTEST: f32 = 1e9;
 
 /// 8-bit sRGB of a linear radiance, `gain` (a factor) applied first; what is not a number or is negative is black.
 pub(super) fn to_srgb8(radiance: Vec3, gain: f32) -> [u8; 3] {
-    let exposed = (radiance * gain).to_array().map(|c| c.max(0.0).min(BRIGHTEST));
+    let exposed = (radiance * gain)
+        .to_array()
+        .map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
     neutral(Vec3::from(exposed))
         .to_array()
         .map(|c| (srgb(c) * 255.0).round() as u8)

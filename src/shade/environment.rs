@@ -41,11 +41,7 @@ impl Environment {
         match self {
             Environment::Black => Vec3::ZERO,
             Environment::Constant(radiance) => *radiance,
-            Environment::Gradient {
-                ground,
-                horizon,
-                zenith,
-            } => {
+            Environment::Gradient { ground, horizon, zenith } => {
                 let height = direction.y as f32;
                 let end = if height < 0.0 { *ground } else { *zenith };
                 horizon.lerp(end, height.abs().sqrt())

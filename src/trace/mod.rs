@@ -28,14 +28,7 @@ pub struct Run {
 
 impl Default for Run {
     fn default() -> Self {
-        Self {
-            threads: 0,
-            batch: 4096,
-            time_limit: None,
-            noise: None,
-            crop: None,
-            aovs: Vec::new(),
-        }
+        Self { threads: 0, batch: 4096, time_limit: None, noise: None, crop: None, aovs: Vec::new() }
     }
 }
 
@@ -60,11 +53,6 @@ pub struct Progress {
 
 /// Renders `scene`; `progress` is called from worker threads after each finished tile, and setting `cancel` ends the
 /// run after the tiles in work (pixels that miss the current pass keep the samples of the passes before).
-pub fn render(
-    _scene: &Baked,
-    _run: &Run,
-    _cancel: &AtomicBool,
-    _progress: &(dyn Fn(Progress) + Sync),
-) -> Rendered {
+pub fn render(_scene: &Baked, _run: &Run, _cancel: &AtomicBool, _progress: &(dyn Fn(Progress) + Sync)) -> Rendered {
     unimplemented!()
 }
