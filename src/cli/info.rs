@@ -165,7 +165,8 @@ impl Spacetime {
                 horizon,
                 photon_sphere,
             } => format!(
-                "Schwarzschild, r_s {schwarzschild_radius} at {}; isotropic radii: horizon {horizon:.4}, photon sphere {photon_sphere:.4}",
+                "Schwarzschild, r_s {schwarzschild_radius} at {}; \
+                 isotropic radii: horizon {horizon:.4}, photon sphere {photon_sphere:.4}",
                 point(center)
             ),
         }

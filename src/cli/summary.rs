@@ -97,7 +97,9 @@ mod tests {
 
     #[test]
     fn the_line_tells_size_samples_time_and_known_rates() {
-        let line = line(&rendered(Fates::default()));
+        let picture = rendered(Fates::default());
+        assert!(line(&picture, 64).contains("8 of 64 spp"));
+        let line = line(&picture, 8);
         assert_eq!(
             line,
             "4x4, cropped from 16x12, 8 spp, 2.00 s, 1.50 M paths/s, 4.00 M rays/s"

@@ -24,7 +24,8 @@ pub(super) const ATTRIBUTE_PREFIX: &str = "warpfront.";
 /// Attributes become text attributes `warpfront.<name>`; `software` names this program and its version.
 ///
 /// # Errors
-/// What `out` reports, and [`io::ErrorKind::InvalidData`] if the planes do not fill the data window or a name does not fit the format.
+/// What `out` reports, and [`io::ErrorKind::InvalidData`] if the planes do not fill the data window or a
+/// name does not fit the format.
 pub fn write_exr(image: &Image, out: impl Write + Seek) -> io::Result<()> {
     if !image.is_consistent() {
         return Err(io::Error::new(
