@@ -21,6 +21,27 @@ pub enum Aov {
     Fate,
 }
 
+impl Aov {
+    /// Names of the channels that hold this plane in an EXR, in the order in which the image keeps them.
+    ///
+    /// All are 32-bit floats; indices (`ID`) and counts (`N`) too, since an f32 holds integers below 2²⁴ exactly.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Aov::Depth => &["depth.Z"],
+            Aov::Normal => &["normal.X", "normal.Y", "normal.Z"],
+            Aov::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+            Aov::Position => &["position.X", "position.Y", "position.Z"],
+            Aov::Entity => &["entity.ID"],
+            Aov::Variance => &["variance.R", "variance.G", "variance.B"],
+            Aov::Steps => &["steps.N"],
+            Aov::Fate => &["fate.ID"],
+        }
+    }
+}
+
+/// Names of the channels that every image has.
+pub const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
+
 /// One named channel of an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
@@ -45,4 +66,41 @@ pub struct Image {
     pub planes: Vec<Plane>,
     /// Header attributes as name and text: samples per pixel, seed, scene, version, entity names.
     pub attributes: Vec<(String, String)>,
+}
+
+impl Image {
+    /// The values of the plane called `name`, row-major over the data window.
+    pub fn plane(&self, name: &str) -> Option<&[f32]> {
+        self.planes
+            .iter()
+            .find(|plane| plane.name == name)
+            .map(|plane| plane.values.as_slice())
+    }
+
+    /// Whether the data window is a part of the picture and every plane fills it.
+    pub(super) fn is_consistent(&self) -> bool {
+        let fits = |start: usize, size: usize, whole: usize| size > 0 && start + size <= whole;
+        fits(self.origin.0, self.size.0, self.width)
+            && fits(self.origin.1, self.size.1, self.height)
+            && self
+                .planes
+                .iter()
+                .all(|plane| plane.values.len() == self.size.0 * self.size.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use clap::ValueEnum;
+
+    use super::*;
+
+    #[test]
+    fn no_two_planes_share_a_channel_name() {
+        let aovs = Aov::value_variants().iter().flat_map(|aov| aov.channels());
+        let names: Vec<&str> = BEAUTY.iter().chain(aovs).copied().collect();
+        assert_eq!(names.len(), names.iter().collect::<BTreeSet<_>>().len());
+    }
 }

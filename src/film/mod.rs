@@ -1,5 +1,13 @@
 //! From sample sums to files.
 
+pub mod atomic;
+mod exr;
 mod image;
+mod png;
+mod read;
+mod tone;
 
-pub use image::{Aov, Image, Plane};
+pub use self::exr::write_exr;
+pub use self::image::{Aov, BEAUTY, Image, Plane};
+pub use self::png::write_png;
+pub use self::read::{ReadError, read_exr};

@@ -1,9 +1,9 @@
 //! Render settings: what a scene file may say under `[film]` and `[render]`, and the command line may override.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Reconstruction filter, sampled (each sample counts for its own pixel only).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Filter {
     /// Tent of one pixel half-width.
@@ -13,7 +13,7 @@ pub enum Filter {
 }
 
 /// How rays are advanced through curved space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepperKind {
     /// Nyström, order 4, with error control.
@@ -23,7 +23,7 @@ pub enum StepperKind {
 }
 
 /// In which order the kernels run; both give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
     /// Structure-of-arrays batches of paths, one step of all rays at a time.
@@ -33,7 +33,7 @@ pub enum Schedule {
 }
 
 /// Source of random numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded per bounce.
@@ -43,7 +43,7 @@ pub enum SamplerKind {
 }
 
 /// Everything that decides the picture beside the scene's content.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Settings {
     /// Image width in pixels.
     pub width: usize,
@@ -71,6 +71,8 @@ pub struct Settings {
     pub tolerance: f64,
     /// Largest distance between an arc and the true curve, scene units; `None`: from the pixel footprint.
     pub arc_tolerance: Option<f64>,
+    /// Factor on the arc tolerance that comes from the pixel footprint; not used if `arc_tolerance` is given.
+    pub arc_tolerance_factor: f64,
 }
 
 impl Default for Settings {
@@ -89,6 +91,7 @@ impl Default for Settings {
             sampler: SamplerKind::Sobol,
             tolerance: 1e-5,
             arc_tolerance: None,
+            arc_tolerance_factor: 1.0,
         }
     }
 }

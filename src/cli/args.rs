@@ -1,0 +1,324 @@
+//! The arguments as clap reads them.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::builder::{OsStringValueParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+
+use super::failure::Failure;
+use super::parse;
+use super::quality::Quality;
+use crate::film::Aov;
+use crate::scene::{Filter, SamplerKind, Schedule, Settings, StepperKind};
+use crate::trace::Run;
+
+/// A path tracer for real scenes in warped spacetime.
+#[derive(Debug, Parser)]
+#[command(name = "warpfront", version)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Render a scene to an OpenEXR file and a PNG preview
+    Render(Box<RenderArgs>),
+    /// Tell what a scene holds, and which stages a render of it runs and why
+    Info(InfoArgs),
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
+    #[command(flatten)]
+    pub(super) settings: SettingArgs,
+    #[command(flatten)]
+    pub(super) run: RunArgs,
+    /// Exit with 1 if anything was lost: rays, parts of the scene, or samples through an interruption
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Print JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Which scene, and what is changed in it.
+#[derive(Debug, Args)]
+pub(super) struct SceneArgs {
+    /// Scene file: .toml, .gltf, .glb or .obj
+    #[arg(value_name = "SCENE")]
+    pub(super) path: PathBuf,
+    /// Set a value of the scene file; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
+    pub(super) overrides: Vec<String>,
+    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units
+    #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
+    pub(super) black_hole: Option<[f64; 4]>,
+}
+
+/// Which files are written.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct OutputArgs {
+    /// OpenEXR file to write
+    #[arg(short, long, value_name = "FILE.exr", value_parser = OsStringValueParser::new().try_map(|s| parse::exr(&s)))]
+    pub(super) output: PathBuf,
+    /// PNG preview to write [default: beside the EXR, with the same stem]
+    #[arg(long, value_name = "FILE.png", value_parser = OsStringValueParser::new().try_map(|s| parse::png(&s)))]
+    pub(super) png: Option<PathBuf>,
+    /// Write no PNG preview
+    #[arg(long, conflicts_with = "png")]
+    pub(super) no_png: bool,
+    /// Write settings, counts and times as JSON
+    #[arg(long, value_name = "FILE.json", value_parser = OsStringValueParser::new().try_map(|s| parse::json(&s)))]
+    pub(super) stats: Option<PathBuf>,
+}
+
+/// What goes over the settings of the scene file.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub(super) struct SettingArgs {
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    spp: Option<u32>,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
+    size: Option<(usize, usize)>,
+    /// Preset of --tolerance and --arc-tolerance
+    #[arg(long, value_enum, value_name = "PRESET")]
+    quality: Option<Quality>,
+    /// How rays are advanced through curved space
+    #[arg(long, value_enum, value_name = "NAME")]
+    stepper: Option<StepperKind>,
+    /// Largest error of one step relative to the distance from the centre
+    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    arc_tolerance: Option<f64>,
+    /// Order in which the kernels run; the picture is the same
+    #[arg(long, value_enum, value_name = "NAME")]
+    schedule: Option<Schedule>,
+    /// Most ray segments in a path, the camera's included
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    max_depth: Option<u32>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", value_parser = parse::seed, allow_hyphen_values = true)]
+    seed: Option<u64>,
+    /// Exposure of the PNG preview in stops
+    #[arg(long, value_name = "STOPS", value_parser = parse::exposure, allow_hyphen_values = true)]
+    exposure: Option<f64>,
+    /// Reconstruction filter
+    #[arg(long, value_enum, value_name = "NAME")]
+    filter: Option<Filter>,
+    /// Source of random numbers
+    #[arg(long, value_enum, value_name = "NAME")]
+    sampler: Option<SamplerKind>,
+}
+
+impl SettingArgs {
+    /// Puts the preset, then the single flags, over what the scene file says.
+    pub(super) fn apply(&self, settings: &mut Settings) {
+        fn set<T: Copy>(flag: Option<T>, value: &mut T) {
+            *value = flag.unwrap_or(*value);
+        }
+        if let Some(quality) = self.quality {
+            quality.apply(settings);
+        }
+        if let Some((width, height)) = self.size {
+            (settings.width, settings.height) = (width, height);
+        }
+        settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
+        set(self.spp, &mut settings.spp);
+        set(self.stepper, &mut settings.stepper);
+        set(self.tolerance, &mut settings.tolerance);
+        set(self.schedule, &mut settings.schedule);
+        set(self.max_depth, &mut settings.max_depth);
+        set(self.seed, &mut settings.seed);
+        set(self.exposure, &mut settings.exposure);
+        set(self.filter, &mut settings.filter);
+        set(self.sampler, &mut settings.sampler);
+    }
+}
+
+/// How the render runs.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Run")]
+pub(super) struct RunArgs {
+    /// Worker threads; 0 means one per core
+    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
+    threads: usize,
+    /// Rays in flight per worker
+    #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
+    batch: Option<usize>,
+    /// Stop after this time, such as 90s, 5m or 1h30m
+    #[arg(long, value_name = "TIME", value_parser = parse::duration, allow_hyphen_values = true)]
+    time_limit: Option<Duration>,
+    /// Stop when the mean relative standard error of the picture falls below this
+    #[arg(long, value_name = "X", value_parser = parse::positive, allow_hyphen_values = true)]
+    noise: Option<f64>,
+    /// Planes to write beside the colours, separated by commas
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    aovs: Vec<Aov>,
+    /// Render only the pixels from X0,Y0 up to but without X1,Y1
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse::crop, allow_hyphen_values = true)]
+    crop: Option<[usize; 4]>,
+}
+
+impl RunArgs {
+    /// The run for a picture of `width` × `height` pixels.
+    pub(super) fn resolve(&self, width: usize, height: usize) -> Result<Run, Failure> {
+        if let Some([x0, y0, x1, y1]) = self.crop.filter(|[_, _, x1, y1]| *x1 > width || *y1 > height) {
+            let message =
+                format!("--crop {x0},{y0},{x1},{y1} reaches outside the picture of {width}x{height} pixels");
+            return Err(
+                Failure::new(message).help(format!("stay within 0,0,{width},{height}, or change --size"))
+            );
+        }
+        let mut aovs = Vec::new();
+        for &aov in &self.aovs {
+            if !aovs.contains(&aov) {
+                aovs.push(aov);
+            }
+        }
+        Ok(Run {
+            threads: self.threads,
+            batch: self.batch.unwrap_or(Run::default().batch),
+            time_limit: self.time_limit,
+            noise: self.noise,
+            crop: self.crop,
+            aovs,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    fn resolved(flags: &[&str], settings: Settings) -> Settings {
+        let arguments = ["warpfront", "render", "scene.toml", "-o", "out.exr"]
+            .iter()
+            .chain(flags);
+        let Command::Render(args) = Cli::try_parse_from(arguments).unwrap().command else {
+            panic!()
+        };
+        let mut settings = settings;
+        args.settings.apply(&mut settings);
+        settings
+    }
+
+    #[test]
+    fn the_argument_definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn without_flags_the_scene_file_decides() {
+        let scene = Settings {
+            spp: 7,
+            tolerance: 0.5,
+            arc_tolerance: Some(2.0),
+            ..Settings::default()
+        };
+        assert_eq!(resolved(&[], scene.clone()), scene);
+    }
+
+    #[test]
+    fn the_preset_goes_over_the_scene_file_and_flags_over_the_preset() {
+        let scene = Settings {
+            tolerance: 0.5,
+            arc_tolerance: Some(2.0),
+            ..Settings::default()
+        };
+        let preset = resolved(&["--quality", "draft"], scene.clone());
+        assert_eq!(
+            (
+                preset.tolerance,
+                preset.arc_tolerance,
+                preset.arc_tolerance_factor
+            ),
+            (1e-3, None, 4.0)
+        );
+        let flags = resolved(
+            &[
+                "--quality",
+                "draft",
+                "--tolerance",
+                "1e-4",
+                "--arc-tolerance",
+                "0.1",
+            ],
+            scene,
+        );
+        assert_eq!((flags.tolerance, flags.arc_tolerance), (1e-4, Some(0.1)));
+    }
+
+    #[test]
+    fn every_setting_has_its_flag() {
+        let flags = [
+            "--spp=3",
+            "--size=5x6",
+            "--stepper=rk4-paper",
+            "--schedule=per-pixel",
+            "--max-depth=9",
+            "--seed=11",
+            "--exposure=-1.5",
+            "--filter=box",
+            "--sampler=independent",
+        ];
+        let expected = Settings {
+            width: 5,
+            height: 6,
+            filter: Filter::Box,
+            exposure: -1.5,
+            spp: 3,
+            max_depth: 9,
+            seed: 11,
+            stepper: StepperKind::Rk4Paper,
+            schedule: Schedule::PerPixel,
+            sampler: SamplerKind::Independent,
+            ..Settings::default()
+        };
+        assert_eq!(resolved(&flags, Settings::default()), expected);
+    }
+
+    #[test]
+    fn a_crop_must_lie_within_the_picture() {
+        let args = RunArgs {
+            crop: Some([0, 0, 17, 12]),
+            ..RunArgs::default()
+        };
+        assert!(args.resolve(17, 12).is_ok());
+        let message = args.resolve(16, 12).unwrap_err().to_string();
+        assert!(
+            message.contains("--crop 0,0,17,12") && message.contains("16x12"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn a_plane_asked_for_twice_is_written_once() {
+        let args = RunArgs {
+            aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth],
+            ..RunArgs::default()
+        };
+        assert_eq!(args.resolve(1, 1).unwrap().aovs, [Aov::Depth, Aov::Normal]);
+    }
+}

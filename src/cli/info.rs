@@ -1,0 +1,356 @@
+//! `warpfront info`.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::args::InfoArgs;
+use super::failure::Failure;
+use super::stages::{self, Stage, flag_name};
+use super::units::{bytes, plural};
+use super::{Outcome, cost, memory, print};
+use crate::geometry::Counts;
+use crate::scene::{self, Baked, Settings, SpacetimeKind};
+use crate::shade::{Environment, Lobe};
+
+/// Prints what a scene holds.
+pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
+    let scene = scene::load(&args.scene.path, &args.scene.overrides, args.scene.black_hole)?;
+    let report = Report::of(args.scene.path.display().to_string(), &scene);
+    let text = if args.json {
+        let json = serde_json::to_string_pretty(&report);
+        json.map_err(|error| Failure::new(format!("cannot express the scene as JSON: {error}")))? + "\n"
+    } else {
+        report.text()
+    };
+    print(&text)?;
+    Ok(Outcome::Good)
+}
+
+/// What there is to tell.
+#[derive(Serialize)]
+struct Report<'a> {
+    scene: String,
+    spacetime: Spacetime,
+    geometry: Shapes,
+    materials: Materials,
+    environment: String,
+    camera: View,
+    settings: &'a Settings,
+    memory: Memory,
+    stages: Vec<Stage>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cost: Option<String>,
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+enum Spacetime {
+    Flat,
+    Schwarzschild {
+        center: [f64; 3],
+        schwarzschild_radius: f64,
+        horizon: f64,
+        photon_sphere: f64,
+    },
+}
+
+#[derive(Serialize)]
+struct Shapes {
+    entities: usize,
+    spheres: usize,
+    disks: usize,
+    triangles: usize,
+    instanced_triangles: usize,
+    meshes: usize,
+    instances: usize,
+}
+
+#[derive(Default, Serialize)]
+struct Materials {
+    diffuse: usize,
+    mirror: usize,
+    dielectric: usize,
+    emitting: usize,
+}
+
+#[derive(Serialize)]
+struct View {
+    position: [f64; 3],
+    forward: [f64; 3],
+    /// Degrees.
+    vertical_fov: f64,
+}
+
+/// Bytes.
+#[derive(Serialize)]
+struct Memory {
+    geometry: u64,
+    environment: u64,
+    film: u64,
+}
+
+impl<'a> Report<'a> {
+    fn of(name: String, scene: &'a Baked) -> Self {
+        Self {
+            scene: name,
+            spacetime: Spacetime::of(scene.spacetime),
+            geometry: Shapes::of(scene),
+            materials: Materials::of(scene),
+            environment: environment(&scene.environment),
+            camera: View {
+                position: scene.camera.position.to_array(),
+                forward: scene.camera.forward.to_array(),
+                vertical_fov: 2.0 * scene.camera.tan_half_fov.atan().to_degrees(),
+            },
+            settings: &scene.settings,
+            memory: Memory::of(scene),
+            stages: stages::of(scene),
+            cost: cost::estimate(scene),
+            warnings: &scene.warnings,
+        }
+    }
+
+    /// A label and what there is to say, line by line.
+    fn text(&self) -> String {
+        let mut rows = vec![
+            ("scene", self.scene.clone()),
+            ("spacetime", self.spacetime.text()),
+            ("geometry", self.geometry.text()),
+            ("materials", self.materials.text()),
+            ("environment", self.environment.clone()),
+            ("camera", self.camera.text()),
+            ("film", film(self.settings)),
+            ("paths", paths(self.settings)),
+            ("memory", self.memory.text()),
+        ];
+        rows.extend(self.cost.iter().map(|cost| ("cost", cost.clone())));
+        rows.extend(self.stages.iter().map(|stage| {
+            let state = if stage.runs { "runs" } else { "not run" };
+            ("stage", format!("{:<10} {state:<8} {}", stage.name, stage.why))
+        }));
+        rows.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
+        rows.iter().fold(String::new(), |mut text, (label, value)| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{label:<12} {value}");
+            text
+        })
+    }
+}
+
+impl Spacetime {
+    fn of(kind: SpacetimeKind) -> Self {
+        match kind {
+            SpacetimeKind::Flat => Spacetime::Flat,
+            SpacetimeKind::Schwarzschild {
+                center,
+                schwarzschild_radius,
+            } => Spacetime::Schwarzschild {
+                center: center.to_array(),
+                schwarzschild_radius,
+                horizon: schwarzschild_radius / 4.0,
+                // Areal radius 3/2 r_s in the isotropic chart.
+                photon_sphere: schwarzschild_radius * (2.0 + 3f64.sqrt()) / 4.0,
+            },
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Spacetime::Flat => "flat".to_owned(),
+            Spacetime::Schwarzschild {
+                center,
+                schwarzschild_radius,
+                horizon,
+                photon_sphere,
+            } => format!(
+                "Schwarzschild, r_s {schwarzschild_radius} at {}; \
+                 isotropic radii: horizon {horizon:.4}, photon sphere {photon_sphere:.4}",
+                point(center)
+            ),
+        }
+    }
+}
+
+impl Shapes {
+    fn of(scene: &Baked) -> Self {
+        let Counts {
+            spheres,
+            disks,
+            triangles,
+            instanced_triangles,
+            meshes,
+            instances,
+        } = scene.geometry.counts();
+        let entities = scene.entities.len();
+        Self {
+            entities,
+            spheres,
+            disks,
+            triangles,
+            instanced_triangles,
+            meshes,
+            instances,
+        }
+    }
+
+    fn text(&self) -> String {
+        [
+            plural(self.entities, "entity", "entities"),
+            plural(self.spheres, "sphere", "spheres"),
+            plural(self.disks, "disk", "disks"),
+            format!(
+                "{} in {}, {} ({})",
+                plural(self.triangles, "triangle", "triangles"),
+                plural(self.meshes, "mesh", "meshes"),
+                plural(self.instances, "instance", "instances"),
+                plural(self.instanced_triangles, "triangle placed", "triangles placed")
+            ),
+        ]
+        .join("; ")
+    }
+}
+
+impl Materials {
+    fn of(scene: &Baked) -> Self {
+        scene
+            .materials
+            .iter()
+            .fold(Self::default(), |mut counts, material| {
+                match material.lobe {
+                    Lobe::Diffuse { .. } => counts.diffuse += 1,
+                    Lobe::Mirror { .. } => counts.mirror += 1,
+                    Lobe::Dielectric { .. } => counts.dielectric += 1,
+                }
+                counts.emitting += usize::from(material.emits());
+                counts
+            })
+    }
+
+    fn text(&self) -> String {
+        let Self {
+            diffuse,
+            mirror,
+            dielectric,
+            emitting,
+        } = self;
+        format!("{diffuse} diffuse, {mirror} mirror, {dielectric} dielectric; {emitting} of them emit")
+    }
+}
+
+impl View {
+    fn text(&self) -> String {
+        let (position, forward) = (point(&self.position), point(&self.forward));
+        format!(
+            "at {position} along {forward}, vertical field of view {:.4}°",
+            self.vertical_fov
+        )
+    }
+}
+
+impl Memory {
+    fn of(scene: &Baked) -> Self {
+        let settings = &scene.settings;
+        let environment = match &scene.environment {
+            Environment::Image(image) => size_of_val(image.pixels.as_slice()),
+            _ => 0,
+        };
+        Self {
+            geometry: scene.geometry.memory_bytes() as u64,
+            environment: environment as u64,
+            film: memory::film_bytes(
+                (settings.width as u64).saturating_mul(settings.height as u64),
+                &[],
+            ),
+        }
+    }
+
+    fn text(&self) -> String {
+        let (geometry, environment, film) = (bytes(self.geometry), bytes(self.environment), bytes(self.film));
+        format!("geometry {geometry}, environment {environment}, film {film}")
+    }
+}
+
+fn environment(environment: &Environment) -> String {
+    match environment {
+        Environment::Black => "black".to_owned(),
+        Environment::Constant(radiance) => format!("constant {radiance}"),
+        Environment::Gradient {
+            ground,
+            horizon,
+            zenith,
+        } => {
+            format!("gradient: ground {ground}, horizon {horizon}, zenith {zenith}")
+        }
+        Environment::Image(image) => format!("image of {}x{} pixels", image.width, image.height),
+    }
+}
+
+fn film(settings: &Settings) -> String {
+    let Settings {
+        width, height, spp, ..
+    } = settings;
+    let (filter, sampler) = (flag_name(settings.filter), flag_name(settings.sampler));
+    format!(
+        "{width}x{height}, {spp} spp, {filter} filter, {sampler} sampler, seed {}",
+        settings.seed
+    )
+}
+
+fn paths(settings: &Settings) -> String {
+    let Settings {
+        max_depth,
+        roulette_depth,
+        ..
+    } = settings;
+    let schedule = flag_name(settings.schedule);
+    format!("up to {max_depth} segments, roulette after {roulette_depth}, {schedule} schedule")
+}
+
+fn point(coordinates: &[f64; 3]) -> String {
+    // Adding zero turns -0 into 0.
+    let [x, y, z] = coordinates.map(|coordinate| coordinate + 0.0);
+    format!("({x}, {y}, {z})")
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::stages::tests::empty_scene;
+    use super::*;
+
+    #[test]
+    fn the_text_tells_spacetime_view_film_stages_and_warnings() {
+        let hole = SpacetimeKind::Schwarzschild {
+            center: DVec3::ZERO,
+            schwarzschild_radius: 4.0,
+        };
+        let mut scene = empty_scene(hole);
+        scene.warnings.push("`fog` is not understood".to_owned());
+        let text = Report::of("a.toml".to_owned(), &scene).text();
+        let expected = [
+            "scene        a.toml",
+            "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1.0000, photon sphere 3.7321",
+            "1 diffuse, 0 mirror, 0 dielectric; 0 of them emit",
+            "at (0, 0, 5) along (0, 0, -1)",
+            "640x480, 64 spp, tent filter, sobol sampler, seed 0",
+            "AOVs       not run  none asked for",
+            "warning      `fog` is not understood",
+        ];
+        for part in expected {
+            assert!(text.contains(part), "{text}\nlacks {part:?}");
+        }
+    }
+
+    #[test]
+    fn the_json_holds_the_same() {
+        let scene = empty_scene(SpacetimeKind::Flat);
+        let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene)).unwrap();
+        assert_eq!(json["spacetime"]["kind"], "flat");
+        assert_eq!(json["settings"]["stepper"], "rkn4");
+        assert_eq!(json["stages"][0]["runs"], false);
+        assert_eq!(json["materials"]["diffuse"], 1);
+    }
+}

@@ -1,0 +1,77 @@
+//! The files of one render, opened before it and written after it.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::args::OutputArgs;
+use super::failure::Failure;
+use crate::film::atomic::Output;
+use crate::film::{write_exr, write_png};
+use crate::scene::Settings;
+use crate::trace::{Rendered, Stats};
+
+/// The files to be written.
+pub(super) struct Outputs {
+    exr: Output,
+    png: Option<Output>,
+    stats: Option<Output>,
+}
+
+/// What `--stats` writes.
+#[derive(Serialize)]
+struct Record<'a> {
+    version: &'static str,
+    scene: String,
+    spp: u32,
+    settings: &'a Settings,
+    stats: &'a Stats,
+}
+
+impl Outputs {
+    /// Opens them all, so that one that cannot be written is found before the render and not after.
+    pub(super) fn open(args: &OutputArgs) -> Result<Self, Failure> {
+        let beside = (!args.no_png).then(|| args.output.with_extension("png"));
+        let png = args.png.clone().or(beside);
+        let open = |path: &Path| Output::create(path).map_err(Failure::from);
+        Ok(Self {
+            exr: open(&args.output)?,
+            png: png.as_deref().map(open).transpose()?,
+            stats: args.stats.as_deref().map(open).transpose()?,
+        })
+    }
+
+    /// Their paths, as the user named them.
+    pub(super) fn names(&self) -> String {
+        let all = [Some(&self.exr), self.png.as_ref(), self.stats.as_ref()];
+        let names: Vec<String> = all
+            .iter()
+            .flatten()
+            .map(|output| output.path().display().to_string())
+            .collect();
+        names.join(", ")
+    }
+
+    /// Writes them all, the picture first.
+    pub(super) fn write(self, rendered: &Rendered, settings: &Settings, scene: &Path) -> Result<(), Failure> {
+        self.exr.commit(|out| write_exr(&rendered.image, out))?;
+        if let Some(png) = self.png {
+            png.commit(|out| write_png(&rendered.image, settings.exposure, out))?;
+        }
+        if let Some(stats) = self.stats {
+            let record = Record {
+                version: env!("CARGO_PKG_VERSION"),
+                scene: scene.display().to_string(),
+                spp: rendered.spp,
+                settings,
+                stats: &rendered.stats,
+            };
+            stats.commit(|out| {
+                serde_json::to_writer_pretty(&mut *out, &record)?;
+                out.write_all(b"\n")
+            })?;
+        }
+        Ok(())
+    }
+}

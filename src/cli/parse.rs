@@ -1,0 +1,195 @@
+//! Values on the command line: what is accepted, and what is said about the rest.
+//!
+//! clap puts the flag and the value before these messages; they say what to give instead.
+
+use std::ffi::OsStr;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Longest side of a picture, pixels.
+const MAX_SIDE: u64 = 65_536;
+
+/// A whole number in `range`.
+fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
+    let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
+    text.parse()
+        .ok()
+        .filter(|number| range.contains(number))
+        .ok_or_else(remedy)
+}
+
+/// A count that fits in 32 bits, at least 1.
+pub(super) fn count(text: &str) -> Result<u32, String> {
+    whole(text, 1..=u64::from(u32::MAX)).map(|number| number as u32)
+}
+
+/// Any unsigned 64-bit number.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    whole(text, 0..=u64::MAX)
+}
+
+/// A number of threads; 0 means one per core.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    whole(text, 0..=1024).map(|number| number as usize)
+}
+
+/// A number of rays in flight per worker.
+pub(super) fn batch(text: &str) -> Result<usize, String> {
+    whole(text, 1..=1 << 20).map(|number| number as usize)
+}
+
+/// A finite number.
+fn finite(text: &str) -> Result<f64, String> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
+        .ok_or_else(|| "give a number".to_owned())
+}
+
+/// A finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    finite(text)
+        .ok()
+        .filter(|&number| number > 0.0)
+        .ok_or_else(|| "give a number above 0, such as 1e-4".to_owned())
+}
+
+/// Stops of exposure: beyond ±60 every picture is black or white.
+pub(super) fn exposure(text: &str) -> Result<f64, String> {
+    let stops = finite(text).ok().filter(|stops| stops.abs() <= 60.0);
+    stops.ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
+}
+
+/// `WxH` in pixels.
+pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
+    let side = |side: &str| {
+        whole(side.trim(), 1..=MAX_SIDE)
+            .ok()
+            .map(|pixels| pixels as usize)
+    };
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| format!("give WIDTHxHEIGHT in pixels, such as 640x480, each from 1 to {MAX_SIDE}"))
+}
+
+/// Four numbers `A,B,C,D`.
+fn four<T>(text: &str, number: impl Fn(&str) -> Option<T>) -> Option<[T; 4]> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|part| number(part.trim())).collect();
+    numbers?.try_into().ok()
+}
+
+/// `X0,Y0,X1,Y1`: the pixels from (X0, Y0) up to but without (X1, Y1).
+pub(super) fn crop(text: &str) -> Result<[usize; 4], String> {
+    let numbers = four(text, |part| part.parse::<usize>().ok())
+        .ok_or("give X0,Y0,X1,Y1 in whole pixels from the top left corner, such as 0,0,320,240".to_owned())?;
+    let [x0, y0, x1, y1] = numbers;
+    if x0 < x1 && y0 < y1 {
+        Ok(numbers)
+    } else {
+        Err("the crop is empty: X1 must be above X0, and Y1 above Y0".to_owned())
+    }
+}
+
+/// `X,Y,Z,RS`: where a hole is and its Schwarzschild radius, scene units.
+pub(super) fn black_hole(text: &str) -> Result<[f64; 4], String> {
+    four(text, |part| finite(part).ok())
+        .filter(|numbers| numbers[3] > 0.0)
+        .ok_or_else(|| "give X,Y,Z,RS in scene units with a radius above 0, such as 0,0,0,1".to_owned())
+}
+
+/// A duration such as `90s` or `1h30m`.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    humantime::parse_duration(text)
+        .ok()
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "give a time above 0 with its unit, such as 90s, 5m or 1h30m".to_owned())
+}
+
+/// `path.to.key=value`; whether the scene has such a key, the loader says.
+pub(super) fn assignment(text: &str) -> Result<String, String> {
+    match text.split_once('=') {
+        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("give path.to.key=value, such as camera.vertical_fov=50".to_owned()),
+    }
+}
+
+/// A file name that ends in `.exr`.
+pub(super) fn exr(text: &OsStr) -> Result<PathBuf, String> {
+    with_extension(text, "exr")
+}
+
+/// A file name that ends in `.png`.
+pub(super) fn png(text: &OsStr) -> Result<PathBuf, String> {
+    with_extension(text, "png")
+}
+
+/// A file name that ends in `.json`.
+pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
+    with_extension(text, "json")
+}
+
+fn with_extension(text: &OsStr, extension: &str) -> Result<PathBuf, String> {
+    let path = Path::new(text);
+    let names_folder = text.to_string_lossy().ends_with(std::path::is_separator);
+    match path.extension() {
+        Some(found) if found.eq_ignore_ascii_case(extension) && !names_folder => Ok(path.to_owned()),
+        _ => Err(format!("give a file name that ends in .{extension}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn good_values_are_read() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert_eq!(crop("0, 1,2,3"), Ok([0, 1, 2, 3]));
+        assert_eq!(black_hole("-1,2.5,0,1e-3"), Ok([-1.0, 2.5, 0.0, 1e-3]));
+        assert_eq!(duration("1h30m"), Ok(Duration::from_secs(5400)));
+        assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
+        assert_eq!(seed("18446744073709551615"), Ok(u64::MAX));
+        assert_eq!(exposure("-1.5"), Ok(-1.5));
+        assert_eq!(exr(OsStr::new("a/b.EXR")), Ok(PathBuf::from("a/b.EXR")));
+        assert_eq!(assignment("a.b=c=d"), Ok("a.b=c=d".to_owned()));
+    }
+
+    #[test]
+    fn bad_values_are_refused() {
+        assert!(
+            ["0x4", "4x0", "4", "x", "-4x4", "99999999x1", "4x4x4", ""]
+                .iter()
+                .all(|s| size(s).is_err())
+        );
+        assert!(
+            ["0,0,0,5", "5,0,4,9", "1,2,3", "1,2,3,4,5", "-1,0,4,4"]
+                .iter()
+                .all(|s| crop(s).is_err())
+        );
+        assert!(
+            ["0,0,0,0", "0,0,0,-1", "0,0,0", "nan,0,0,1", "0,0,inf,1"]
+                .iter()
+                .all(|s| black_hole(s).is_err())
+        );
+        assert!(
+            ["0s", "90", "-5s", "soon", ""]
+                .iter()
+                .all(|s| duration(s).is_err())
+        );
+        assert!(
+            ["0", "-1e-3", "nan", "inf", "x"]
+                .iter()
+                .all(|s| positive(s).is_err())
+        );
+        assert!(["0", "-1", "4294967296", "1.5"].iter().all(|s| count(s).is_err()));
+        assert!(["nan", "1e9", "-61"].iter().all(|s| exposure(s).is_err()));
+        assert!(
+            ["out", "out.png", ".exr", "out.exr/", ""]
+                .iter()
+                .all(|s| exr(OsStr::new(s)).is_err())
+        );
+        assert!(["", "key", "=1"].iter().all(|s| assignment(s).is_err()));
+    }
+}

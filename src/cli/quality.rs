@@ -1,0 +1,45 @@
+//! `--quality`: how exactly rays follow the true curves.
+
+use clap::ValueEnum;
+
+use crate::scene::Settings;
+
+/// A preset; it goes over the scene file's values, and single flags go over it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Quality {
+    /// For a first look.
+    Draft,
+    /// Errors below a pixel.
+    Standard,
+    /// To compare others against.
+    Reference,
+}
+
+impl Quality {
+    /// `tolerance`, and the factor on the arc tolerance that comes from the pixel footprint.
+    fn tolerances(self) -> (f64, f64) {
+        match self {
+            Quality::Draft => (1e-3, 4.0),
+            Quality::Standard => (1e-5, 1.0),
+            Quality::Reference => (1e-8, 0.1),
+        }
+    }
+
+    /// Sets what the preset decides.
+    pub(super) fn apply(self, settings: &mut Settings) {
+        (settings.tolerance, settings.arc_tolerance_factor) = self.tolerances();
+        settings.arc_tolerance = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_is_the_default() {
+        let mut settings = Settings::default();
+        Quality::Standard.apply(&mut settings);
+        assert_eq!(settings, Settings::default());
+    }
+}

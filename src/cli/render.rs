@@ -1,0 +1,40 @@
+//! `warpfront render`.
+
+use super::args::RenderArgs;
+use super::failure::Failure;
+use super::interrupt::Interrupt;
+use super::outputs::Outputs;
+use super::progress::Bar;
+use super::{Outcome, memory, say, summary};
+use crate::{scene, trace};
+
+/// Renders a scene and writes the files.
+pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
+    let interrupt = Interrupt::install();
+    let outputs = Outputs::open(&args.output)?;
+    let mut scene = scene::load(&args.scene.path, &args.scene.overrides, args.scene.black_hole)?;
+    args.settings.apply(&mut scene.settings);
+    let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
+    memory::check(&scene.settings, &run)?;
+    for warning in &scene.warnings {
+        say(format!("warning: {warning}"));
+    }
+
+    let bar = Bar::new();
+    interrupt.render_begins();
+    let rendered = trace::render(&scene, &run, interrupt.flag(), &|progress| bar.update(progress));
+    bar.finish();
+
+    let asked_spp = scene.settings.spp;
+    let losses = summary::losses(&rendered, asked_spp, interrupt.happened());
+    losses.iter().for_each(|loss| say(format!("warning: {loss}")));
+    let names = outputs.names();
+    outputs.write(&rendered, &scene.settings, &args.scene.path)?;
+    say(format!("{}; wrote {names}", summary::line(&rendered, asked_spp)));
+    let complete = losses.is_empty() && scene.warnings.is_empty();
+    Ok(if args.strict && !complete {
+        Outcome::Lost
+    } else {
+        Outcome::Good
+    })
+}

@@ -1,0 +1,95 @@
+//! The PNG preview: what the picture looks like, at a glance.
+
+use std::io::{self, Write};
+
+use glam::Vec3;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
+
+use super::Image;
+use super::tone::to_srgb8;
+
+/// Writes the data window of `image` as opaque 8-bit sRGB, made brighter by `exposure` stops and tone mapped.
+///
+/// Colours are premultiplied, so that leaving alpha out shows them over black.
+///
+/// # Errors
+/// What `out` reports, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.
+pub fn write_png(image: &Image, exposure: f64, out: impl Write) -> io::Result<()> {
+    let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
+    let (Some(red), Some(green), Some(blue)) = (image.plane("R"), image.plane("G"), image.plane("B")) else {
+        return Err(invalid("the picture has no colour channels"));
+    };
+    let (Ok(width), Ok(height)) = (u32::try_from(image.size.0), u32::try_from(image.size.1)) else {
+        return Err(invalid("the picture is too large for a PNG"));
+    };
+    if !image.is_consistent() {
+        return Err(invalid("the planes do not fill the data window"));
+    }
+    let gain = exposure.exp2() as f32;
+    let pixels: Vec<u8> = red
+        .iter()
+        .zip(green)
+        .zip(blue)
+        .flat_map(|((&r, &g), &b)| to_srgb8(Vec3::new(r, g, b), gain))
+        .collect();
+    PngEncoder::new(out)
+        .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
+        .map_err(|error| match error {
+            ImageError::IoError(error) => error,
+            other => io::Error::other(other),
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{BEAUTY, Plane};
+
+    fn picture(values: [f32; 2]) -> Image {
+        Image {
+            width: 9,
+            height: 9,
+            origin: (3, 4),
+            size: (2, 1),
+            planes: BEAUTY
+                .map(|name| Plane {
+                    name: name.to_owned(),
+                    values: values.to_vec(),
+                })
+                .to_vec(),
+            attributes: Vec::new(),
+        }
+    }
+
+    fn decoded(values: [f32; 2], exposure: f64) -> image::RgbImage {
+        let mut bytes = Vec::new();
+        write_png(&picture(values), exposure, &mut bytes).unwrap();
+        let image = image::load_from_memory(&bytes).unwrap();
+        assert_eq!(image.color(), image::ColorType::Rgb8);
+        image.to_rgb8()
+    }
+
+    #[test]
+    fn the_preview_shows_the_data_window_in_srgb() {
+        let image = decoded([0.214_041, 0.0], 0.0);
+        assert_eq!(image.dimensions(), (2, 1));
+        assert_eq!(image.get_pixel(0, 0).0, [127; 3]);
+        assert_eq!(image.get_pixel(1, 0).0, [0; 3]);
+    }
+
+    #[test]
+    fn a_stop_doubles() {
+        assert_eq!(
+            decoded([0.1, 0.2], 1.0).get_pixel(0, 0),
+            decoded([0.1, 0.2], 0.0).get_pixel(1, 0)
+        );
+    }
+
+    #[test]
+    fn a_picture_without_colour_is_refused() {
+        let mut image = picture([0.0; 2]);
+        image.planes.remove(1);
+        assert!(write_png(&image, 0.0, Vec::new()).is_err());
+    }
+}

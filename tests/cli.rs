@@ -1,0 +1,470 @@
+//! The command as a user meets it: exit codes, messages, and the files that are left.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+const SCENE: &str = "
+[camera]
+position = [0, 0, 5]
+look_at = [0, 0, 0]
+vertical_fov = 40
+[film]
+width = 16
+height = 12
+[environment]
+color = [1, 1, 1]
+[[entity]]
+sphere = { center = [0, 0, 0], radius = 1 }
+";
+
+/// A folder with a scene in it, in which the command runs.
+struct Place(TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
+        command
+            .current_dir(self.0.path())
+            .args(arguments)
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    fn render(&self, flags: &[&str]) -> Output {
+        self.run(&[&["render", "scene.toml", "-o", "out.exr"], flags].concat())
+    }
+
+    /// Names of all files but the scene, sorted.
+    fn files(&self) -> Vec<String> {
+        let mut names = names(self.0.path());
+        names.retain(|name| name != "scene.toml");
+        names
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Bad input: exit code 2, an `error:` line, everything in `said`, no panic.
+fn assert_refused(output: &Output, said: &[&str]) {
+    let text = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(
+        text.starts_with("error: ") && !text.contains("panicked"),
+        "{text}"
+    );
+    for part in said {
+        assert!(text.contains(part), "{text}\nlacks {part:?}");
+    }
+}
+
+fn assert_good(output: &Output) {
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+}
+
+/// A small file system of its own at a new folder.
+#[cfg(target_os = "linux")]
+struct Mount(PathBuf);
+
+#[cfg(target_os = "linux")]
+impl Mount {
+    /// `None`, with a note, where mounting is not permitted.
+    fn new(folder: PathBuf, options: &str) -> Option<Self> {
+        fs::create_dir(&folder).unwrap();
+        let mut mount = Command::new("mount");
+        mount
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(&folder)
+            .stderr(Stdio::null());
+        if mount.status().is_ok_and(|status| status.success()) {
+            return Some(Self(folder));
+        }
+        println!("skipped: mounting a file system is not permitted here");
+        None
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for Mount {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.0).status();
+    }
+}
+
+#[test]
+fn bad_flags_are_refused_with_the_flag_the_value_and_a_remedy() {
+    let place = Place::new();
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["--no-such-flag"], &["--no-such-flag"]),
+        (&["--size", "0x480"], &["--size", "0x480", "640x480"]),
+        (&["--size", "640"], &["--size", "'640'", "640x480"]),
+        (&["--size", "99999999x99999999"], &["--size", "65536"]),
+        (&["--spp", "0"], &["--spp", "'0'", "from 1"]),
+        (&["--spp", "-4"], &["--spp", "'-4'", "from 1"]),
+        (&["--spp", "many"], &["--spp", "'many'", "whole number"]),
+        (&["--spp", "4", "--spp", "5"], &["--spp", "multiple times"]),
+        (&["--max-depth", "0"], &["--max-depth", "'0'"]),
+        (&["--tolerance", "-1e-3"], &["--tolerance", "-1e-3", "above 0"]),
+        (&["--tolerance", "nan"], &["--tolerance", "nan"]),
+        (&["--arc-tolerance", "0"], &["--arc-tolerance", "above 0"]),
+        (
+            &["--quality", "best"],
+            &["--quality", "best", "draft", "standard", "reference"],
+        ),
+        (&["--stepper", "euler"], &["--stepper", "euler", "rkn4"]),
+        (&["--schedule", "x"], &["--schedule", "wavefront", "per-pixel"]),
+        (&["--filter", "x"], &["--filter", "tent"]),
+        (&["--sampler", "x"], &["--sampler", "sobol"]),
+        (&["--seed", "-1"], &["--seed", "-1", "whole number"]),
+        (&["--threads", "-1"], &["--threads", "-1"]),
+        (&["--threads", "1000000"], &["--threads", "1024"]),
+        (&["--batch", "0"], &["--batch", "'0'"]),
+        (&["--time-limit", "90"], &["--time-limit", "90s"]),
+        (&["--time-limit", "0s"], &["--time-limit", "above 0"]),
+        (&["--noise", "-0.1"], &["--noise", "-0.1"]),
+        (&["--exposure", "inf"], &["--exposure", "inf", "stops"]),
+        (&["--aov", "depth,colour"], &["--aov", "colour", "albedo"]),
+        (&["--crop", "0,0,8"], &["--crop", "0,0,8", "X0,Y0,X1,Y1"]),
+        (&["--crop", "-5,0,8,8"], &["--crop", "-5,0,8,8"]),
+        (&["--crop", "8,0,8,8"], &["--crop", "empty"]),
+        (&["--set", "camera"], &["--set", "camera", "key=value"]),
+        (&["--black-hole", "0,0,0"], &["--black-hole", "X,Y,Z,RS"]),
+        (&["--black-hole", "0,0,0,-1"], &["--black-hole", "radius above 0"]),
+        (&["--png", "out.jpg"], &["--png", "out.jpg", ".png"]),
+        (&["--png", "a.png", "--no-png"], &["--png", "--no-png"]),
+        (&["--stats", "scene.toml"], &["--stats", "scene.toml", ".json"]),
+    ];
+    for (flags, said) in cases {
+        assert_refused(&place.render(flags), said);
+        assert!(place.files().is_empty(), "{flags:?} left {:?}", place.files());
+    }
+}
+
+#[test]
+fn an_unknown_subcommand_is_refused() {
+    assert_refused(&Place::new().run(&["rendr", "scene.toml"]), &["rendr", "render"]);
+}
+
+#[test]
+fn the_output_is_required_and_ends_in_exr() {
+    let place = Place::new();
+    assert_refused(&place.run(&["render", "scene.toml"]), &["--output"]);
+    for name in ["out", "out.png", ".exr", "out.exr/", ""] {
+        assert_refused(&place.run(&["render", "scene.toml", "-o", name]), &["--output"]);
+    }
+    assert!(place.files().is_empty());
+}
+
+#[test]
+fn a_crop_outside_the_picture_is_refused() {
+    let place = Place::new();
+    assert_refused(
+        &place.render(&["--crop", "0,0,17,12"]),
+        &["--crop 0,0,17,12", "16x12", "help:"],
+    );
+    assert!(place.files().is_empty());
+}
+
+#[test]
+fn a_missing_scene_is_refused_by_name() {
+    let place = Place::new();
+    for arguments in [
+        &["render", "none.toml", "-o", "out.exr"][..],
+        &["info", "none.toml"],
+    ] {
+        assert_refused(&place.run(arguments), &["none.toml"]);
+    }
+    assert!(place.files().is_empty());
+}
+
+#[test]
+fn an_output_that_is_a_folder_is_refused() {
+    let place = Place::new();
+    fs::create_dir(place.path("taken.exr")).unwrap();
+    let output = place.run(&["render", "scene.toml", "-o", "taken.exr"]);
+    assert_refused(&output, &["`taken.exr`", "it is a folder", "help:"]);
+    assert_eq!(place.files(), ["taken.exr"]);
+}
+
+#[test]
+fn a_missing_output_folder_is_refused() {
+    let place = Place::new();
+    let cases = [
+        (&["-o", "nowhere/out.exr"][..], "`nowhere/out.exr`"),
+        (
+            &["-o", "out.exr", "--png", "nowhere/out.png"],
+            "`nowhere/out.png`",
+        ),
+        (
+            &["-o", "out.exr", "--stats", "nowhere/out.json"],
+            "`nowhere/out.json`",
+        ),
+    ];
+    for (flags, named) in cases {
+        let output = place.run(&[&["render", "scene.toml"], flags].concat());
+        assert_refused(&output, &[named, "folder `nowhere` does not exist", "help:"]);
+        assert!(place.files().is_empty());
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_folder_that_is_read_only_is_refused() {
+    let place = Place::new();
+    let Some(_mount) = Mount::new(place.path("fixed"), "ro") else {
+        return;
+    };
+    let output = place.run(&["render", "scene.toml", "-o", "fixed/out.exr"]);
+    assert_refused(&output, &["`fixed/out.exr`", "read-only", "help:"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_folder_without_permission_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let place = Place::new();
+    let folder = place.path("closed");
+    fs::create_dir(&folder).unwrap();
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
+    if fs::write(folder.join("probe"), "").is_ok() {
+        println!("skipped: this user may write to any folder");
+        return;
+    }
+    let output = place.run(&["render", "scene.toml", "-o", "closed/out.exr"]);
+    assert_refused(&output, &["`closed/out.exr`", "no permission", "help:"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_without_room_for_another_file_is_refused_before_the_render() {
+    let place = Place::new();
+    let Some(mount) = Mount::new(place.path("full"), "nr_inodes=1") else {
+        return;
+    };
+    let output = place.run(&["render", "scene.toml", "-o", "full/out.exr"]);
+    assert_refused(&output, &["`full/out.exr`", "full", "help:"]);
+    assert!(names(&mount.0).is_empty());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_up_leaves_the_old_file_and_no_other() {
+    let place = Place::new();
+    let Some(mount) = Mount::new(place.path("small"), "size=4k") else {
+        return;
+    };
+    fs::write(mount.0.join("out.exr"), "old").unwrap();
+    let flags = [
+        "--no-png",
+        "--size",
+        "200x200",
+        "--spp",
+        "1",
+        "--aov",
+        "position,normal",
+    ];
+    let output = place.run(&[&["render", "scene.toml", "-o", "small/out.exr"], &flags[..]].concat());
+    assert_refused(&output, &["`small/out.exr`", "full", "help:"]);
+    assert_eq!(fs::read_to_string(mount.0.join("out.exr")).unwrap(), "old");
+    assert_eq!(names(&mount.0), ["out.exr"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn arguments_that_are_not_unicode_do_no_harm() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let place = Place::new();
+    let cases: &[(&[&str], &[u8], &str)] = &[
+        (&["render", "none.toml", "-o"], b"\xff\xfe.exr", "none.toml"),
+        (&["render", "scene.toml", "-o"], b"\xff/x.exr", "does not exist"),
+        (&["info"], b"\xff.toml", ".toml"),
+        (&["info", "scene.toml", "--set"], b"\xff=1", "UTF-8"),
+    ];
+    for (arguments, odd, said) in cases {
+        let output = place
+            .command(arguments)
+            .arg(OsStr::from_bytes(odd))
+            .output()
+            .unwrap();
+        assert_refused(&output, &[said]);
+    }
+    assert!(place.files().is_empty());
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let place = Place::new();
+    for arguments in [&["info", "scene.toml"][..], &["--help"], &["render", "--help"]] {
+        let mut command = place.command(arguments);
+        let mut child = command
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let mut text = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
+        assert!(child.wait().unwrap().success() && text.is_empty(), "{text}");
+    }
+}
+
+#[test]
+fn errors_that_nobody_reads_do_not_panic() {
+    let place = Place::new();
+    let mut child = place
+        .command(&["info", "none.toml"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stderr.take());
+    assert_eq!(child.wait().unwrap().code(), Some(2));
+}
+
+#[test]
+fn help_and_version_are_good() {
+    for flag in ["--help", "--version"] {
+        assert_good(&Place::new().run(&[flag]));
+    }
+}
+
+#[test]
+fn info_tells_what_the_scene_holds_and_why_stages_run() {
+    let place = Place::new();
+    let output = place.run(&["info", "scene.toml"]);
+    assert_good(&output);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("flat") && text.contains("no marching") && text.contains("16x12"),
+        "{text}"
+    );
+    let output = place.run(&["info", "scene.toml", "--black-hole", "-3,0,0,0.5", "--json"]);
+    assert_good(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["spacetime"]["kind"], "schwarzschild");
+    assert_eq!(json["spacetime"]["center"][0], -3.0);
+}
+
+#[test]
+fn a_render_writes_the_picture_its_preview_and_the_statistics() {
+    let place = Place::new();
+    let flags = [
+        "--spp",
+        "2",
+        "--aov",
+        "depth,normal",
+        "--crop",
+        "4,2,12,8",
+        "--stats",
+        "out.json",
+    ];
+    let output = place.render(&flags);
+    assert_good(&output);
+    assert_eq!(place.files(), ["out.exr", "out.json", "out.png"]);
+    let summary = stderr(&output);
+    assert!(
+        summary.contains("2 spp") && summary.contains("wrote out.exr, out.png, out.json"),
+        "{summary}"
+    );
+
+    let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
+    assert_eq!(
+        (image.width, image.height, image.origin, image.size),
+        (16, 12, (4, 2), (8, 6))
+    );
+    let planes: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
+    assert_eq!(
+        planes,
+        ["R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z"]
+    );
+    let stats: serde_json::Value =
+        serde_json::from_slice(&fs::read(place.path("out.json")).unwrap()).unwrap();
+    assert_eq!(stats["settings"]["spp"], 2);
+    assert!(stats["stats"]["seconds"].is_number());
+}
+
+#[test]
+fn no_preview_is_written_when_none_is_wanted() {
+    let place = Place::new();
+    assert_good(&place.render(&["--spp", "1", "--no-png", "--strict"]));
+    assert_eq!(place.files(), ["out.exr"]);
+}
+
+/// Starts a render that takes minutes, and waits until it has opened its output and is at work.
+#[cfg(unix)]
+fn long_render(place: &Place) -> std::process::Child {
+    let flags = [
+        "--no-png",
+        "--threads",
+        "1",
+        "--size",
+        "512x512",
+        "--spp",
+        "60000",
+    ];
+    let mut command = place.command(&[&["render", "scene.toml", "-o", "out.exr"], &flags[..]].concat());
+    let child = command.stderr(Stdio::piped()).spawn().unwrap();
+    while place.files().is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    child
+}
+
+#[cfg(unix)]
+fn interrupt(child: &std::process::Child) {
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_writes_what_it_has_and_says_how_much_that_is() {
+    let place = Place::new();
+    let child = long_render(&place);
+    interrupt(&child);
+    let output = child.wait_with_output().unwrap();
+    assert_good(&output);
+    assert!(
+        stderr(&output).contains("of 60000 samples"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(place.files(), ["out.exr"]);
+}
