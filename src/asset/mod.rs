@@ -1,1 +1,16 @@
-//! .
+//! Files of geometry and images, read into plain tables; every loader says what it does not understand.
+
+mod error;
+mod gltf;
+mod image;
+mod model;
+mod mtl;
+mod notes;
+mod obj;
+mod tidy;
+
+pub use error::{AssetError, Flaw};
+pub use gltf::load as load_gltf;
+pub use image::{Picture, load as load_image};
+pub use model::{Lens, Model, Node, Part};
+pub use obj::load as load_obj;

@@ -18,9 +18,9 @@ pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
     parts.push(format!("{:.2} s", stats.seconds));
     if stats.seconds > 0.0 {
         let rates = [
-            (stats.paths, "paths/s"),
-            (stats.rays, "rays/s"),
-            (stats.steps, "steps/s"),
+            (stats.counters.paths, "paths/s"),
+            (stats.counters.rays, "rays/s"),
+            (stats.counters.steps, "steps/s"),
         ];
         let known = rates.iter().filter(|(count, _)| *count > 0);
         parts.extend(known.map(|(count, unit)| format!("{} {unit}", decimal(*count as f64 / stats.seconds))));
@@ -34,7 +34,7 @@ pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> 
         step_limit,
         non_finite,
         ..
-    } = rendered.stats.fates;
+    } = rendered.stats.counters.fates;
     let mut losses = Vec::new();
     if interrupted {
         let left = if rendered.spp == 0 {
@@ -50,13 +50,13 @@ pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> 
     if step_limit > 0 {
         losses.push(format!(
             "{} lost at the step limit",
-            rays(step_limit, rendered.stats.rays)
+            rays(step_limit, rendered.stats.counters.rays)
         ));
     }
     if non_finite > 0 {
         losses.push(format!(
             "{} lost to numbers that are not finite",
-            rays(non_finite, rendered.stats.rays)
+            rays(non_finite, rendered.stats.counters.rays)
         ));
     }
     losses

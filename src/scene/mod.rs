@@ -1,11 +1,116 @@
 //! The scene: as authored (an ECS world), and as baked (flat tables).
+//!
+//! Text → [`file`](mod@file) tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
+//! or OBJ file by itself is a scene file with one entity.
 
 mod baked;
+mod bake;
 mod camera;
+mod check;
+pub mod components;
+mod error;
+mod file;
+mod overrides;
+mod populate;
 mod settings;
-mod stub;
+mod systems;
+mod world;
+
+use std::path::Path;
+
+use glam::DVec3;
 
 pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
+pub use error::{Place, SceneError};
 pub use settings::{Filter, SamplerKind, Schedule, Settings, StepperKind};
-pub use stub::{SceneError, load};
+
+use error::{Fault, SourceText};
+use world::World;
+
+/// Loads a scene: a `.toml` file, or a `.gltf`, `.glb` or `.obj` file by itself.
+///
+/// Each override is `path.to.key=value`, as after `--set`; array entries go by index or by name.
+///
+/// A bare model gets the camera of the file, or one that frames it, and a sky if nothing in it emits light.
+///
+/// # Errors
+/// Anything that is wrong with the file, with what it names, or with an override; see [`SceneError`].
+pub fn load(path: &Path, overrides: &[String]) -> Result<Baked, SceneError> {
+    load_with_hole(path, overrides, None)
+}
+
+/// Like [`load`], with the spacetime replaced by a black hole: X, Y, Z of its center and its Schwarzschild radius, in
+/// scene units.
+///
+/// # Errors
+/// As [`load`], and if the numbers are not finite or the radius is negative.
+pub fn load_with_hole(
+    path: &Path,
+    overrides: &[String],
+    black_hole: Option<[f64; 4]>,
+) -> Result<Baked, SceneError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let (on_disk, text) = match extension.as_str() {
+        "toml" => {
+            let read = std::fs::read(path);
+            let bytes = read.map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+            let text = String::from_utf8_lossy(&bytes).into_owned();
+            (Some(text.clone()), text)
+        }
+        "gltf" | "glb" => (None, bare_scene(path, "gltf")),
+        "obj" => (None, bare_scene(path, "mesh")),
+        _ => return Err(SceneError::UnknownType { path: path.to_owned() }),
+    };
+    let text = edited(path, text, overrides)?;
+    let source = SourceText { path, text: &text, on_disk: on_disk.as_deref() };
+    build(&source, black_hole).map_err(|fault| source.locate(fault))
+}
+
+/// The scene file that a model by itself stands for.
+fn bare_scene(path: &Path, component: &str) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(name.as_ref()))
+}
+
+/// The scene's text with the overrides applied; the rest keeps its lines.
+fn edited(path: &Path, text: String, overrides: &[String]) -> Result<String, SceneError> {
+    if overrides.is_empty() {
+        return Ok(text);
+    }
+    let source = SourceText { path, text: &text, on_disk: Some(&text) };
+    let mut document = overrides::document(&text).map_err(|fault| source.locate(fault))?;
+    for text in overrides {
+        overrides::apply(&mut document, text)?;
+    }
+    Ok(document.to_string())
+}
+
+fn build(source: &SourceText, black_hole: Option<[f64; 4]>) -> Result<Baked, Fault> {
+    let file = file::parse(source.text)?;
+    let sky_if_dark = source.on_disk.is_none() && file.environment.is_none();
+    let folder = source.path.parent().unwrap_or(Path::new(""));
+    let mut world = populate::populate(file, folder)?;
+    if let Some(hole) = black_hole {
+        replace_spacetime(&mut world, hole)?;
+    }
+    if sky_if_dark && !world.materials.iter().any(|material| material.emits()) {
+        world.environment = populate::sky(1.0);
+    }
+    bake::bake(world)
+}
+
+fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(), Fault> {
+    let center = DVec3::new(x, y, z);
+    if !(center.is_finite() && radius.is_finite() && radius >= 0.0) {
+        return Err(Fault::whole(
+            format!("the black hole {x},{y},{z},{radius} is not usable"),
+            "give finite numbers X,Y,Z,RS with RS at least 0",
+        ));
+    }
+    world.spacetime = populate::black_hole(center, radius);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

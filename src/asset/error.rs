@@ -1,0 +1,60 @@
+//! What can be wrong with an asset file.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An asset file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum AssetError {
+    /// The file cannot be read from disk.
+    #[error("{}: cannot be read: {source}\n   = help: check that the file exists; paths in a scene file are relative to that file", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The file was read, but its content cannot be used.
+    #[error("{}: {problem}\n   = help: {help}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where in the file.
+        problem: String,
+        /// What to do about it.
+        help: String,
+    },
+}
+
+impl AssetError {
+    /// An error in the content of the file at `path`.
+    pub fn content(path: &Path, flaw: Flaw) -> Self {
+        AssetError::Content { path: path.to_owned(), problem: flaw.problem, help: flaw.help }
+    }
+
+    /// Reads a file whole.
+    pub(super) fn read(path: &Path) -> Result<Vec<u8>, Self> {
+        std::fs::read(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })
+    }
+}
+
+/// Something wrong inside a file, before the file's name is attached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flaw {
+    /// What is wrong, and where in the file.
+    pub problem: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+impl Flaw {
+    /// A flaw from its two sentences.
+    pub fn new(problem: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { problem: problem.into(), help: help.into() }
+    }
+
+    /// The same flaw, with the place in the file in front.
+    pub fn at(self, place: impl std::fmt::Display) -> Self {
+        Self { problem: format!("{place}: {}", self.problem), ..self }
+    }
+}

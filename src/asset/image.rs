@@ -1,0 +1,175 @@
+//! Latitude-longitude pictures: EXR, HDR, PNG, JPEG.
+
+use std::path::Path;
+
+use exr::prelude as exr_file;
+use glam::Vec3;
+
+use super::error::{AssetError, Flaw};
+use super::notes::Notes;
+
+/// Most pixels in a picture: 32768 × 16384.
+const MAX_PIXELS: usize = 1 << 29;
+/// Infinite pixels become this, the largest half-float: a sun stays bright without poisoning sums.
+const BRIGHTEST: f32 = 65504.0;
+
+/// A picture in linear RGB.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Linear RGB, row-major, from the top; finite and not negative.
+    pub pixels: Vec<Vec3>,
+    /// What was changed, one line each.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a picture: `.exr` and `.hdr` are linear; `.png` and `.jpg` are sRGB and are made linear.
+///
+/// Negative and NaN pixels become 0, infinite ones 65504, with a warning.
+///
+/// # Errors
+/// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
+pub fn load(path: &Path) -> Result<Picture, AssetError> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let bytes = AssetError::read(path)?;
+    let decoded = match extension.as_str() {
+        "exr" => decode_exr(&bytes),
+        "hdr" | "png" | "jpg" | "jpeg" => decode_other(&bytes),
+        _ => Err(Flaw::new(
+            format!("`.{extension}` is not a picture that can be read"),
+            "use .exr, .hdr, .png or .jpg",
+        )),
+    };
+    let mut picture = decoded.map_err(|flaw| AssetError::content(path, flaw))?;
+    let mut notes = Notes::default();
+    clean(&mut picture, &mut notes);
+    picture.warnings = notes.into_lines(&path.display().to_string());
+    Ok(picture)
+}
+
+fn check_size(width: usize, height: usize) -> Result<(), Flaw> {
+    match width.checked_mul(height) {
+        Some(1..=MAX_PIXELS) => Ok(()),
+        _ => Err(Flaw::new(
+            format!("a picture of {width} × {height} pixels cannot be used"),
+            "use at least one pixel and at most 32768 × 16384",
+        )),
+    }
+}
+
+fn undecodable(error: impl std::fmt::Display) -> Flaw {
+    Flaw::new(format!("cannot be decoded: {error}"), "the file is damaged; save it again")
+}
+
+fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
+    use exr_file::{ReadChannels, ReadLayers};
+    let meta = exr::meta::MetaData::read_from_buffered(bytes, false).map_err(undecodable)?;
+    for header in &meta.headers {
+        check_size(header.layer_size.width(), header.layer_size.height())?;
+    }
+    let image = exr_file::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |size: exr_file::Vec2<usize>, _: &_| (size.width(), vec![Vec3::ZERO; size.area()]),
+            |(width, pixels): &mut (usize, Vec<Vec3>), at, (r, g, b): (f32, f32, f32)| {
+                if let Some(pixel) = pixels.get_mut(at.y() * *width + at.x()) {
+                    *pixel = Vec3::new(r, g, b);
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(bytes))
+        .map_err(undecodable)?;
+    let (width, pixels) = image.layer_data.channel_data.pixels;
+    let height = pixels.len().checked_div(width).unwrap_or(0);
+    check_size(width, height)?;
+    Ok(Picture { width, height, pixels, warnings: Vec::new() })
+}
+
+fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
+    let open = || {
+        let reader = image::ImageReader::new(std::io::Cursor::new(bytes));
+        reader.with_guessed_format().map_err(undecodable)
+    };
+    let (width, height) = open()?.into_dimensions().map_err(undecodable)?;
+    check_size(width as usize, height as usize)?;
+    let mut reader = open()?;
+    reader.no_limits();
+    let linear = reader.format() == Some(image::ImageFormat::Hdr);
+    let pixels = reader.decode().map_err(undecodable)?.into_rgb32f();
+    let transfer = if linear { |value| value } else { linear_from_srgb };
+    Ok(Picture {
+        width: width as usize,
+        height: height as usize,
+        pixels: pixels.pixels().map(|pixel| Vec3::from(pixel.0.map(transfer))).collect(),
+        warnings: Vec::new(),
+    })
+}
+
+/// IEC 61966-2-1.
+fn linear_from_srgb(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+fn clean(picture: &mut Picture, notes: &mut Notes) {
+    let mut changed = 0;
+    for pixel in &mut picture.pixels {
+        let clean = Vec3::from(pixel.to_array().map(|value| match value {
+            value if value.is_nan() => 0.0,
+            value if value.is_infinite() => BRIGHTEST * (value > 0.0) as u8 as f32,
+            value => value.max(0.0),
+        }));
+        changed += usize::from(clean != *pixel);
+        *pixel = clean;
+    }
+    if changed > 0 {
+        notes.add("pixels that were negative or not finite are clamped", changed.to_string());
+    }
+    if picture.width != 2 * picture.height {
+        let size = format!("{} × {}", picture.width, picture.height);
+        notes.add("not twice as wide as high, so stretched as a latitude-longitude picture", size);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_bit_pictures_become_linear() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.PNG");
+        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0])).save(&path).unwrap();
+        let picture = load(&path).unwrap();
+        assert_eq!((picture.width, picture.height), (2, 1));
+        assert!((picture.pixels[1] - Vec3::new(0.2158605, 1.0, 0.0)).length() < 1e-6);
+        assert!(picture.warnings.is_empty());
+    }
+
+    #[test]
+    fn exr_pixels_that_are_not_finite_are_clamped_with_one_warning() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.exr");
+        let values = [(1.0f32, 2.0f32, 3.0f32), (f32::NAN, -1.0, f32::INFINITY)];
+        exr_file::write_rgb_file(&path, 2, 1, |x, _| values[x]).unwrap();
+        let picture = load(&path).unwrap();
+        assert_eq!(picture.pixels, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST)]);
+        assert_eq!(picture.warnings.len(), 1);
+        assert!(picture.warnings[0].ends_with("clamped: 1"), "{:?}", picture.warnings);
+    }
+
+    #[test]
+    fn damaged_pictures_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.exr", "a.png", "a.hdr", "a.jpg", "a.tiff"] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, b"\x76\x2f\x31\x01 not really").unwrap();
+            assert!(load(&path).is_err(), "{name}");
+        }
+    }
+}

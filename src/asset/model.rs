@@ -1,0 +1,50 @@
+//! A geometry file in memory: meshes, materials, and a tree of nodes that place them.
+
+use glam::DAffine3;
+
+use crate::geometry::Mesh;
+use crate::shade::Material;
+
+/// What an OBJ or glTF file holds.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Meshes, each with one material; checked: finite, in range, no degenerate triangles, at least one triangle.
+    pub meshes: Vec<Mesh>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Nodes; a parent comes before its children.
+    pub nodes: Vec<Node>,
+    /// What was approximated or ignored, one line each.
+    pub warnings: Vec<String>,
+}
+
+/// A named place in the tree.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Name in the file.
+    pub name: String,
+    /// Index of the parent in [`Model::nodes`].
+    pub parent: Option<usize>,
+    /// This node's space → the parent's.
+    pub to_parent: DAffine3,
+    /// Meshes placed here.
+    pub parts: Vec<Part>,
+    /// A camera placed here.
+    pub lens: Option<Lens>,
+}
+
+/// A mesh and its material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Index in [`Model::meshes`].
+    pub mesh: usize,
+    /// Index in [`Model::materials`].
+    pub material: usize,
+}
+
+/// A perspective camera that looks along −Z of its node, +Y upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Vertical field of view, radians.
+    pub vertical_fov: f64,
+}

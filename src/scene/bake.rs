@@ -1,0 +1,159 @@
+//! World → the flat tables that the tracer reads.
+
+use glam::{DAffine3, DVec3};
+use hecs::Entity;
+
+use super::components::{DiskShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
+use super::error::Fault;
+use super::systems::{
+    Bounds, camera, disk_in_world, framing_camera, invertible, primitive_bounds, propagate_transforms,
+    sphere_in_world,
+};
+use super::world::World;
+use super::{Baked, Camera, SpacetimeKind};
+use crate::geometry::{Geometry, Instance, Primitives, Surface};
+
+/// Dissolves the entities into tables and builds the BVH.
+///
+/// # Errors
+/// A shape that its transform makes singular, elliptic or too large; an unusable camera or one behind the horizon; a
+/// scene in which there is nothing to see.
+pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
+    let (primitives, shaped) = flatten(&mut world)?;
+    if shaped.is_empty() && world.environment.is_black() {
+        return Err(Fault::whole(
+            "the scene is empty: it has no entities and a black environment",
+            "add an [[entity]], or light with [environment]",
+        ));
+    }
+    let boxes = primitive_bounds(&primitives);
+    check_extent(&world, &boxes, &shaped)?;
+    let camera = choose_camera(&mut world, &boxes)?;
+    check_outside_horizon(&world, &camera)?;
+    warn_if_dark(&mut world, &primitives);
+    Ok(Baked {
+        spacetime: world.spacetime,
+        camera,
+        entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
+        geometry: Geometry::build(primitives),
+        materials: world.materials,
+        environment: world.environment,
+        settings: world.settings,
+        warnings: world.warnings,
+    })
+}
+
+/// All primitives in world space, and the entities that have one, in the order of spawning; takes the world's meshes.
+pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fault> {
+    propagate_transforms(world);
+    let (mut primitives, shaped) = collect(world)?;
+    primitives.meshes = std::mem::take(&mut world.meshes);
+    Ok((primitives, shaped))
+}
+
+/// Primitives (without meshes) of all shapes in the order of spawning, and the entities that have one.
+fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
+    type Shapes<'a> =
+        (Option<&'a SphereShape>, Option<&'a DiskShape>, Option<&'a MeshShape>, Option<&'a MaterialHandle>);
+    let mut query = world.entities.query::<(Entity, &WorldTransform, Shapes)>();
+    let mut placed: Vec<_> = query
+        .iter()
+        .filter(|(_, _, (sphere, disk, mesh, _))| sphere.is_some() || disk.is_some() || mesh.is_some())
+        .collect();
+    placed.sort_by_key(|(entity, ..)| entity.id());
+    let mut primitives = Primitives::default();
+    let mut shaped = Vec::with_capacity(placed.len());
+    for (entity, to_world, (sphere, disk, mesh, material)) in placed {
+        let to_world = checked_transform(world, entity, to_world.0)?;
+        let index = shaped.len() as u32;
+        let surface = |material: MaterialHandle| Surface { material: material.0, entity: index };
+        let elliptic = |what: &str| {
+            let problem = format!("a {what} cannot be scaled differently along its axes");
+            world.fault(entity, &problem, "scale it by a single number, or use a mesh instead")
+        };
+        if let (Some(sphere), Some(material)) = (sphere, material) {
+            let sphere = sphere_in_world(*sphere, &to_world).ok_or_else(|| elliptic("sphere"))?;
+            primitives.spheres.push((sphere, surface(*material)));
+        }
+        if let (Some(disk), Some(material)) = (disk, material) {
+            let disk = disk_in_world(*disk, &to_world).ok_or_else(|| elliptic("disk"))?;
+            primitives.disks.push((disk, surface(*material)));
+        }
+        for (mesh, material) in mesh.iter().flat_map(|mesh| mesh.0.iter()) {
+            primitives.instances.push((Instance { mesh: mesh.0, to_world }, surface(*material)));
+        }
+        shaped.push(entity);
+    }
+    Ok((primitives, shaped))
+}
+
+fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {
+    invertible(to_world).ok_or_else(|| {
+        world.fault(
+            entity,
+            "its transform flattens it or is not finite",
+            "use scales that are neither 0 nor huge, here and in the nodes above it",
+        )
+    })
+}
+
+fn check_extent(world: &World, boxes: &[(Bounds, u32)], shaped: &[Entity]) -> Result<(), Fault> {
+    let outside = boxes.iter().find(|(bounds, _)| !bounds.is_representable());
+    match outside.and_then(|(_, index)| shaped.get(*index as usize)) {
+        None => Ok(()),
+        Some(entity) => Err(world.fault(
+            *entity,
+            "it reaches farther than 1e18 scene units from the origin",
+            "use a smaller unit of length or a smaller scale",
+        )),
+    }
+}
+
+fn choose_camera(world: &mut World, boxes: &[(Bounds, u32)]) -> Result<Camera, Fault> {
+    if let Some(camera) = camera(world)? {
+        return Ok(camera);
+    }
+    let aspect = world.settings.width as f64 / world.settings.height as f64;
+    framing_camera(boxes, aspect).ok_or_else(|| {
+        Fault::whole(
+            "there is no camera, and nothing to frame one around",
+            "add a [camera] with `position`, `look_at` and `vertical_fov`",
+        )
+    })
+}
+
+/// Rays start between the pinhole and the near plane; both must be outside.
+fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
+    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = world.spacetime else {
+        return Ok(());
+    };
+    let horizon = 0.25 * schwarzschild_radius;
+    let start: DVec3 = camera.position + camera.near * camera.forward;
+    let distance = camera.position.distance(center).min(start.distance(center));
+    if distance > horizon {
+        return Ok(());
+    }
+    let problem = format!(
+        "the camera is inside the black hole: {distance} from its center, where the horizon is at r_s/4 = {horizon}"
+    );
+    let help = "move the camera away, or use a smaller schwarzschild_radius";
+    match world.camera {
+        Some(entity) => Err(world.fault(entity, &problem, help)),
+        None => Err(Fault::whole(problem, help)),
+    }
+}
+
+fn warn_if_dark(world: &mut World, primitives: &Primitives) {
+    let surfaces = primitives
+        .spheres
+        .iter()
+        .map(|(_, surface)| surface)
+        .chain(primitives.disks.iter().map(|(_, surface)| surface))
+        .chain(primitives.instances.iter().map(|(_, surface)| surface));
+    let lit = surfaces
+        .filter_map(|surface| world.materials.get(surface.material as usize))
+        .any(|material| material.emits());
+    if !lit && world.environment.is_black() {
+        world.warnings.push("nothing emits light: the picture will be black".to_owned());
+    }
+}

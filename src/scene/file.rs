@@ -1,0 +1,358 @@
+//! The TOML scene format: one struct per table, spans kept so that later checks can show the line.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
+use toml::Spanned;
+
+use super::error::{Fault, suggestion};
+use super::{Filter, SamplerKind, Schedule, StepperKind};
+
+/// A number with its place.
+pub type Number = Spanned<f64>;
+/// Three numbers with their place: a position, a direction.
+pub type Vector = Spanned<[f64; 3]>;
+/// A string with its place.
+pub type Text = Spanned<String>;
+
+/// A scene file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// `[spacetime]`; flat if absent.
+    pub spacetime: Option<Spanned<SpacetimeTable>>,
+    /// `[camera]`; if absent, the first camera of a glTF file, else one that frames everything.
+    pub camera: Option<Spanned<CameraTable>>,
+    /// `[film]`.
+    #[serde(default)]
+    pub film: FilmTable,
+    /// `[render]`.
+    #[serde(default)]
+    pub render: RenderTable,
+    /// `[environment]`; black if absent.
+    pub environment: Option<Spanned<EnvironmentTable>>,
+    /// `[[material]]`.
+    #[serde(default)]
+    pub material: Vec<MaterialTable>,
+    /// `[[entity]]`.
+    #[serde(default)]
+    pub entity: Vec<Spanned<EntityTable>>,
+}
+
+/// `[spacetime]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpacetimeTable {
+    /// Which one; the other keys have no effect when it is flat.
+    pub kind: SpacetimeName,
+    /// Position of the hole; the origin if absent.
+    pub center: Option<Vector>,
+    /// r_s = 2M ≥ 0; 0 is flat.
+    pub schwarzschild_radius: Option<Number>,
+}
+
+/// `spacetime.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpacetimeName {
+    /// Minkowski.
+    Flat,
+    /// A black hole at rest that does not spin.
+    Schwarzschild,
+}
+
+/// `[camera]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraTable {
+    /// Pinhole.
+    pub position: Vector,
+    /// Point in the middle of the image (in flat space).
+    pub look_at: Option<Vector>,
+    /// View direction, instead of `look_at`.
+    pub direction: Option<Vector>,
+    /// Up in the image; +Y if absent.
+    pub up: Option<Vector>,
+    /// Degrees.
+    pub vertical_fov: Number,
+    /// Distance at which rays start; 0 if absent.
+    pub near: Option<Number>,
+}
+
+/// `[film]`; what is absent keeps its default.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FilmTable {
+    /// Pixels.
+    pub width: Option<Spanned<usize>>,
+    /// Pixels.
+    pub height: Option<Spanned<usize>>,
+    /// Reconstruction filter.
+    pub filter: Option<Filter>,
+    /// Stops, for the preview.
+    pub exposure: Option<Number>,
+}
+
+/// `[render]`; what is absent keeps its default.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RenderTable {
+    /// Samples per pixel.
+    pub spp: Option<Spanned<u32>>,
+    /// Most segments of a path.
+    pub max_depth: Option<Spanned<u32>>,
+    /// Segments before Russian roulette.
+    pub roulette_depth: Option<u32>,
+    /// Seed.
+    pub seed: Option<u64>,
+    /// Stepper.
+    pub stepper: Option<StepperKind>,
+    /// Schedule.
+    pub schedule: Option<Schedule>,
+    /// Sampler.
+    pub sampler: Option<SamplerKind>,
+    /// Relative error per step.
+    pub tolerance: Option<Number>,
+    /// Scene units.
+    pub arc_tolerance: Option<Number>,
+}
+
+/// `[environment]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentTable {
+    /// The built-in sky, instead of a colour or an image.
+    pub kind: Option<SkyName>,
+    /// Radiance from everywhere; white if only `strength` is given.
+    pub color: Option<Spanned<Triple>>,
+    /// Factor on the radiance.
+    pub strength: Option<Number>,
+    /// Latitude-longitude picture.
+    pub image: Option<Text>,
+    /// Degrees about +Y, of the picture.
+    pub rotation: Option<Number>,
+}
+
+/// `environment.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SkyName {
+    /// A gradient from the ground over the horizon to the zenith.
+    Sky,
+}
+
+/// `[[material]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialTable {
+    /// Name that entities use.
+    pub name: Text,
+    /// Lobe; diffuse if absent.
+    pub kind: Option<LobeName>,
+    /// Reflectance, or the tint of a dielectric.
+    pub albedo: Option<Spanned<Triple>>,
+    /// Index of refraction of a dielectric.
+    pub ior: Option<Number>,
+    /// Radiance.
+    pub emission: Option<Spanned<Triple>>,
+    /// Which sides emit; both if absent.
+    pub emits: Option<EmittingSides>,
+}
+
+/// `material.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LobeName {
+    /// Lambertian.
+    Diffuse,
+    /// Perfect mirror.
+    Mirror,
+    /// Clear glass.
+    Dielectric,
+}
+
+/// `material.emits`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EmittingSides {
+    /// The side that the normal points to.
+    Front,
+    /// Both.
+    Both,
+}
+
+/// `[[entity]]`: one shape and what goes with it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EntityTable {
+    /// Name.
+    pub name: Option<String>,
+    /// A sphere.
+    pub sphere: Option<SphereTable>,
+    /// Path of an OBJ file.
+    pub mesh: Option<Text>,
+    /// Path of a glTF file.
+    pub gltf: Option<Text>,
+    /// A flat annulus.
+    pub disk: Option<DiskTable>,
+    /// Placement; none if absent.
+    pub transform: Option<Spanned<TransformTable>>,
+    /// Name of a material; overrides those of a mesh or glTF file.
+    pub material: Option<Text>,
+    /// Radiance; overrides the material's.
+    pub emission: Option<Spanned<Triple>>,
+}
+
+/// `entity.sphere`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereTable {
+    /// Centre.
+    pub center: Vector,
+    /// Radius.
+    pub radius: Number,
+}
+
+/// `entity.disk`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DiskTable {
+    /// Centre.
+    pub center: Vector,
+    /// Normal, of any length.
+    pub normal: Vector,
+    /// Inner radius; 0 if absent.
+    pub inner: Option<Number>,
+    /// Outer radius.
+    pub outer: Number,
+}
+
+/// `entity.transform`: scale first, then rotate, then translate.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TransformTable {
+    /// Scene units.
+    pub translate: Option<Vector>,
+    /// Rotation.
+    pub rotate: Option<Spanned<Rotation>>,
+    /// One factor, or one per axis.
+    pub scale: Option<Spanned<Triple>>,
+}
+
+/// Three numbers, or one that stands for three equal ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triple(pub [f64; 3]);
+
+/// A rotation, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rotation {
+    /// About X, then Y, then Z, all fixed: Blender's "XYZ Euler".
+    Euler([f64; 3]),
+    /// About an axis, right-handed.
+    AxisAngle {
+        /// Axis, of any length.
+        axis: [f64; 3],
+        /// Angle.
+        angle: f64,
+    },
+}
+
+impl<'de> Deserialize<'de> for Triple {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TripleVisitor;
+        impl<'de> Visitor<'de> for TripleVisitor {
+            type Value = Triple;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or three numbers")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<Triple, E> {
+                Ok(Triple([value; 3]))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<Triple, E> {
+                Ok(Triple([value as f64; 3]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Triple, A::Error> {
+                three_numbers(sequence, &self).map(Triple)
+            }
+        }
+        deserializer.deserialize_any(TripleVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for Rotation {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct AxisAngle {
+            axis: [f64; 3],
+            angle: f64,
+        }
+        struct RotationVisitor;
+        impl<'de> Visitor<'de> for RotationVisitor {
+            type Value = Rotation;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("three angles [x, y, z] or { axis = [x, y, z], angle = degrees }")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, sequence: A) -> Result<Rotation, A::Error> {
+                three_numbers(sequence, &self).map(Rotation::Euler)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Rotation, A::Error> {
+                let AxisAngle { axis, angle } = Deserialize::deserialize(MapAccessDeserializer::new(map))?;
+                Ok(Rotation::AxisAngle { axis, angle })
+            }
+        }
+        deserializer.deserialize_any(RotationVisitor)
+    }
+}
+
+fn three_numbers<'de, A: SeqAccess<'de>>(
+    mut sequence: A,
+    expected: &dyn de::Expected,
+) -> Result<[f64; 3], A::Error> {
+    let mut numbers = [0.0; 3];
+    for (index, number) in numbers.iter_mut().enumerate() {
+        *number = sequence.next_element()?.ok_or_else(|| de::Error::invalid_length(index, expected))?;
+    }
+    match sequence.next_element::<f64>()? {
+        None => Ok(numbers),
+        Some(_) => Err(de::Error::invalid_length(4, expected)),
+    }
+}
+
+/// Deserialises a scene file's text.
+pub(super) fn parse(text: &str) -> Result<SceneFile, Fault> {
+    toml::from_str(text).map_err(|error| {
+        let message = error.message().to_owned();
+        let help = remedy(&message);
+        Fault::maybe_at(error.span(), message, help)
+    })
+}
+
+/// What to do about a message of serde or of the TOML parser.
+///
+/// Serde's messages about unknown names read "unknown field `x`, expected one of `a`, `b`".
+fn remedy(message: &str) -> String {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    if message.starts_with("unknown") {
+        let word = quoted.next().unwrap_or_default();
+        let known: Vec<&str> = quoted.collect();
+        return suggestion(word, known.iter().copied())
+            .unwrap_or_else(|| format!("the names known here are {}", known.join(", ")));
+    }
+    if message.starts_with("missing field") {
+        return format!("add `{} = ...`", quoted.next().unwrap_or_default());
+    }
+    if message.starts_with("invalid") {
+        return "change the value to what is expected".to_owned();
+    }
+    "correct the TOML syntax at the caret".to_owned()
+}

@@ -1,0 +1,380 @@
+//! Scene file → world: checks every value and spawns the entities.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec3};
+use toml::Spanned;
+
+use super::check;
+use super::components::{CameraLens, DiskShape, MaterialHandle, SphereShape};
+use super::error::{Fault, suggestion};
+use super::file::{
+    CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
+    RenderTable, Rotation, SceneFile, SpacetimeName, SpacetimeTable, SphereTable, TransformTable,
+};
+use super::world::{Look, ModelFormat, World};
+use super::{Camera, Settings, SpacetimeKind};
+use crate::asset::load_image;
+use crate::geometry::{Disk, Sphere};
+use crate::shade::{Environment, LatLong, Lobe, Material};
+
+/// Largest image side, pixels.
+const MAX_SIDE: usize = 1 << 16;
+/// Most pixels in an image.
+const MAX_PIXELS: usize = 1 << 28;
+/// Albedo of a diffuse material that does not say.
+const DEFAULT_ALBEDO: f32 = 0.8;
+/// Index of refraction of a dielectric that does not say.
+const DEFAULT_IOR: f64 = 1.5;
+
+/// Builds the world of a scene file; paths in it are relative to `folder`.
+pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
+    let mut warnings = Vec::new();
+    let spacetime = file.spacetime.as_ref().map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
+    let environment = match &file.environment {
+        Some(table) => environment(table, folder, &mut warnings)?,
+        None => Environment::Black,
+    };
+    let mut world = World::new(spacetime, environment, settings(&file.film, &file.render)?);
+    world.warnings = warnings;
+    if let Some(table) = file.camera {
+        let (placement, lens) = camera(&table)?;
+        let entity = world.spawn_authored(table.span(), Some("camera".to_owned()), placement);
+        // The entity was spawned on the line above, so inserting cannot fail.
+        let _ = world.entities.insert_one(entity, lens);
+        world.camera = Some(entity);
+    }
+    let mut names = HashMap::new();
+    for table in &file.material {
+        let handle = world.add_material(material(table)?);
+        if names.insert(table.name.get_ref().clone(), handle).is_some() {
+            let problem = format!("a second material is named `{}`", table.name.get_ref());
+            return Err(Fault::at(table.name.span(), problem, "give each material its own name"));
+        }
+    }
+    for (index, mut table) in file.entity.into_iter().enumerate() {
+        name_shape(table.get_mut(), index);
+        spawn(&mut world, table, &names, folder)?;
+    }
+    Ok(world)
+}
+
+fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Result<SpacetimeKind, Fault> {
+    let (span, table) = (table.span(), table.get_ref());
+    let center = table.center.as_ref().map_or(Ok(DVec3::ZERO), |at| check::finite_vector(at, "center"))?;
+    let radius = table.schwarzschild_radius.as_ref();
+    let radius = radius.map(|radius| check::non_negative(radius, "schwarzschild_radius")).transpose()?;
+    match (table.kind, radius) {
+        (SpacetimeName::Flat, None | Some(0.0)) => Ok(SpacetimeKind::Flat),
+        (SpacetimeName::Flat, Some(_)) => {
+            warnings.push("spacetime.schwarzschild_radius has no effect, since spacetime.kind is flat".to_owned());
+            Ok(SpacetimeKind::Flat)
+        }
+        (SpacetimeName::Schwarzschild, Some(radius)) => Ok(black_hole(center, radius)),
+        (SpacetimeName::Schwarzschild, None) => Err(Fault::at(
+            span,
+            "a spacetime of kind schwarzschild needs a radius",
+            "add `schwarzschild_radius = ...`, in scene units",
+        )),
+    }
+}
+
+/// Schwarzschild spacetime, or flat space if the radius is 0.
+pub(super) fn black_hole(center: DVec3, schwarzschild_radius: f64) -> SpacetimeKind {
+    if schwarzschild_radius == 0.0 {
+        return SpacetimeKind::Flat;
+    }
+    SpacetimeKind::Schwarzschild { center, schwarzschild_radius }
+}
+
+fn environment(
+    table: &Spanned<EnvironmentTable>,
+    folder: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<Environment, Fault> {
+    let (span, table) = (table.span(), table.get_ref());
+    let sources = [table.kind.is_some(), table.color.is_some(), table.image.is_some()];
+    if sources.iter().filter(|given| **given).count() > 1 {
+        return Err(Fault::at(
+            span,
+            "`kind`, `color` and `image` exclude each other",
+            "keep one; `strength` scales it",
+        ));
+    }
+    if let (Some(rotation), None) = (&table.rotation, &table.image) {
+        return Err(Fault::at(rotation.span(), "`rotation` is for an `image`", "remove it"));
+    }
+    let strength = match &table.strength {
+        Some(strength) => check::non_negative(strength, "strength")? as f32,
+        None => 1.0,
+    };
+    if let Some(image) = &table.image {
+        let error_at = |error| Fault::Asset { span: image.span(), error };
+        let picture = load_image(&folder.join(image.get_ref())).map_err(error_at)?;
+        warnings.extend(picture.warnings);
+        let degrees = table.rotation.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
+        return Ok(Environment::Image(LatLong {
+            width: picture.width,
+            height: picture.height,
+            pixels: picture.pixels.into_iter().map(|pixel| pixel * strength).collect(),
+            from_world: DMat3::from_rotation_y(-degrees.to_radians()),
+        }));
+    }
+    match (&table.kind, &table.color, &table.strength) {
+        (Some(_), ..) => Ok(sky(strength)),
+        (None, Some(colour), _) => Ok(Environment::Constant(check::colour(colour, "color")? * strength)),
+        (None, None, Some(_)) => Ok(Environment::Constant(Vec3::splat(strength))),
+        (None, None, None) => Ok(Environment::Black),
+    }
+}
+
+/// A clear sky over pale ground.
+pub(super) fn sky(strength: f32) -> Environment {
+    Environment::Gradient {
+        ground: Vec3::new(0.25, 0.23, 0.21) * strength,
+        horizon: Vec3::new(0.95, 0.97, 1.0) * strength,
+        zenith: Vec3::new(0.35, 0.55, 0.95) * strength,
+    }
+}
+
+fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
+    let default = Settings::default();
+    let settings = Settings {
+        width: side(film.width.as_ref(), "width", default.width)?,
+        height: side(film.height.as_ref(), "height", default.height)?,
+        filter: film.filter.unwrap_or(default.filter),
+        exposure: film.exposure.as_ref().map_or(Ok(default.exposure), |stops| check::finite(stops, "exposure"))?,
+        spp: at_least_one(render.spp.as_ref(), "spp", default.spp)?,
+        max_depth: at_least_one(render.max_depth.as_ref(), "max_depth", default.max_depth)?,
+        roulette_depth: render.roulette_depth.unwrap_or(default.roulette_depth),
+        seed: render.seed.unwrap_or(default.seed),
+        stepper: render.stepper.unwrap_or(default.stepper),
+        schedule: render.schedule.unwrap_or(default.schedule),
+        sampler: render.sampler.unwrap_or(default.sampler),
+        tolerance: match &render.tolerance {
+            Some(tolerance) => check::between(tolerance, 0.0, 1.0, "tolerance")?,
+            None => default.tolerance,
+        },
+        arc_tolerance: match &render.arc_tolerance {
+            Some(tolerance) => Some(check::positive(tolerance, "arc_tolerance")?),
+            None => default.arc_tolerance,
+        },
+    };
+    if settings.width.saturating_mul(settings.height) > MAX_PIXELS {
+        let problem = format!("an image of {} × {} pixels is too large", settings.width, settings.height);
+        let span = film.width.as_ref().or(film.height.as_ref()).map(Spanned::span);
+        return Err(Fault::maybe_at(span, problem, format!("at most {MAX_PIXELS} pixels fit")));
+    }
+    Ok(settings)
+}
+
+fn side(pixels: Option<&Spanned<usize>>, what: &str, default: usize) -> Result<usize, Fault> {
+    let Some(pixels) = pixels else {
+        return Ok(default);
+    };
+    match *pixels.get_ref() {
+        side @ 1..=MAX_SIDE => Ok(side),
+        side => Err(Fault::at(
+            pixels.span(),
+            format!("{what} must be between 1 and {MAX_SIDE} pixels, not {side}"),
+            "choose another size",
+        )),
+    }
+}
+
+fn at_least_one(count: Option<&Spanned<u32>>, what: &str, default: u32) -> Result<u32, Fault> {
+    match count.map(|count| (*count.get_ref(), count.span())) {
+        None => Ok(default),
+        Some((0, span)) => Err(Fault::at(span, format!("{what} must be at least 1"), "write 1 or more")),
+        Some((count, _)) => Ok(count),
+    }
+}
+
+fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault> {
+    let (span, table) = (table.span(), table.get_ref());
+    let position = check::finite_vector(&table.position, "position")?;
+    let forward = match (&table.look_at, &table.direction) {
+        (Some(target), None) => {
+            let offset = check::finite_vector(target, "look_at")? - position;
+            let same = || Fault::at(target.span(), "look_at equals position", "look at another point");
+            offset.try_normalize().ok_or_else(same)?
+        }
+        (None, Some(direction)) => check::direction(direction, "direction")?,
+        (Some(_), Some(_)) => {
+            return Err(Fault::at(span, "both `look_at` and `direction` are given", "remove one of them"));
+        }
+        (None, None) => {
+            return Err(Fault::at(
+                span,
+                "the camera has no view direction",
+                "add `look_at = [x, y, z]` or `direction = [x, y, z]`",
+            ));
+        }
+    };
+    let up = table.up.as_ref().map_or(Ok(DVec3::Y), |up| check::direction(up, "up"))?;
+    let vertical_fov = check::between(&table.vertical_fov, 0.0, 180.0, "vertical_fov")?.to_radians();
+    let near = table.near.as_ref().map_or(Ok(0.0), |near| check::non_negative(near, "near"))?;
+    let basis = Camera::new(position, forward, up, vertical_fov, near).ok_or_else(|| {
+        let help = "choose an `up` that is not parallel to the view direction";
+        Fault::at(span, "the camera looks along its own `up`", help)
+    })?;
+    let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
+    Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near }))
+}
+
+fn material(table: &MaterialTable) -> Result<Material, Fault> {
+    let kind = table.kind.unwrap_or(LobeName::Diffuse);
+    if let (Some(ior), LobeName::Diffuse | LobeName::Mirror) = (&table.ior, kind) {
+        return Err(Fault::at(
+            ior.span(),
+            "only a dielectric has an `ior`",
+            "remove it, or set `kind = \"dielectric\"`",
+        ));
+    }
+    let default = if kind == LobeName::Diffuse { DEFAULT_ALBEDO } else { 1.0 };
+    let albedo =
+        table.albedo.as_ref().map_or(Ok(Vec3::splat(default)), |rgb| check::reflectance(rgb, "albedo"))?;
+    let ior = table.ior.as_ref().map_or(Ok(DEFAULT_IOR), |ior| check::positive(ior, "ior"))?;
+    Ok(Material {
+        lobe: match kind {
+            LobeName::Diffuse => Lobe::Diffuse { albedo },
+            LobeName::Mirror => Lobe::Mirror { reflectance: albedo },
+            LobeName::Dielectric => Lobe::Dielectric { ior: ior as f32, tint: albedo },
+        },
+        emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
+        emits_both_sides: table.emits != Some(EmittingSides::Front),
+    })
+}
+
+fn spawn(
+    world: &mut World,
+    table: Spanned<EntityTable>,
+    materials: &HashMap<String, MaterialHandle>,
+    folder: &Path,
+) -> Result<(), Fault> {
+    let span = table.span();
+    let table = table.into_inner();
+    check_one_shape(&table, span.clone())?;
+    let look = look(&table, materials)?;
+    let placement = table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
+    let entity = world.spawn_authored(span, table.name, placement);
+    for (path, format) in [(&table.mesh, ModelFormat::Obj), (&table.gltf, ModelFormat::Gltf)] {
+        if let Some(path) = path {
+            let error_at = |error| Fault::Asset { span: path.span(), error };
+            world.spawn_model(&folder.join(path.get_ref()), format, entity, look).map_err(error_at)?;
+        }
+    }
+    // The entity was spawned above, so inserting cannot fail.
+    if let Some(table) = &table.sphere {
+        let shape = (SphereShape(sphere(table)?), own_material(world, look));
+        let _ = world.entities.insert(entity, shape);
+    }
+    if let Some(table) = &table.disk {
+        let shape = (DiskShape(disk(table)?), own_material(world, look));
+        let _ = world.entities.insert(entity, shape);
+    }
+    Ok(())
+}
+
+/// Names a sphere or disk without name by its place in the file; models bring the names of their nodes.
+fn name_shape(table: &mut EntityTable, index: usize) {
+    let kind = match (&table.sphere, &table.disk) {
+        (Some(_), _) => "sphere",
+        (None, Some(_)) => "disk",
+        (None, None) => return,
+    };
+    table.name.get_or_insert_with(|| format!("{kind} {index}"));
+}
+
+fn check_one_shape(table: &EntityTable, span: std::ops::Range<usize>) -> Result<(), Fault> {
+    let shapes =
+        [table.sphere.is_some(), table.mesh.is_some(), table.gltf.is_some(), table.disk.is_some()];
+    let problem = match shapes.iter().filter(|given| **given).count() {
+        0 => "the entity has no shape",
+        1 => return Ok(()),
+        _ => "the entity has more than one shape",
+    };
+    Err(Fault::at(span, problem, "give it exactly one of `sphere`, `mesh`, `gltf`, `disk`"))
+}
+
+fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Result<Look, Fault> {
+    let material = table.material.as_ref().map(|name| {
+        materials.get(name.get_ref()).copied().ok_or_else(|| {
+            let help = suggestion(name.get_ref(), materials.keys().map(String::as_str))
+                .unwrap_or_else(|| "add a [[material]] with this name".to_owned());
+            Fault::at(name.span(), format!("no material is named `{}`", name.get_ref()), help)
+        })
+    });
+    let emission = table.emission.as_ref().map(|rgb| check::colour(rgb, "emission"));
+    Ok(Look { material: material.transpose()?, emission: emission.transpose()? })
+}
+
+/// The material of a sphere or disk: the named one or the default, with the entity's own emission.
+fn own_material(world: &mut World, look: Look) -> MaterialHandle {
+    match look {
+        Look { material: Some(handle), emission: None } => handle,
+        Look { material, emission } => {
+            let base = material.map_or_else(Material::default, |handle| world.material(handle));
+            world.add_material(Material { emission: emission.unwrap_or(base.emission), ..base })
+        }
+    }
+}
+
+fn sphere(table: &SphereTable) -> Result<Sphere, Fault> {
+    Ok(Sphere {
+        center: check::finite_vector(&table.center, "center")?,
+        radius: check::positive(&table.radius, "radius")?,
+    })
+}
+
+fn disk(table: &DiskTable) -> Result<Disk, Fault> {
+    let inner = table.inner.as_ref().map_or(Ok(0.0), |radius| check::non_negative(radius, "inner"))?;
+    let outer = check::positive(&table.outer, "outer")?;
+    if inner >= outer {
+        let problem = format!("the inner radius {inner} is not less than the outer one, {outer}");
+        return Err(Fault::at(table.outer.span(), problem, "make `outer` greater than `inner`"));
+    }
+    Ok(Disk {
+        center: check::finite_vector(&table.center, "center")?,
+        normal: check::direction(&table.normal, "normal")?,
+        inner,
+        outer,
+    })
+}
+
+fn transform(table: &TransformTable) -> Result<DAffine3, Fault> {
+    let translation =
+        table.translate.as_ref().map_or(Ok(DVec3::ZERO), |offset| check::finite_vector(offset, "translate"))?;
+    let rotation = table.rotate.as_ref().map_or(Ok(DQuat::IDENTITY), rotation)?;
+    let scale = table.scale.as_ref().map_or(Ok(DVec3::ONE), |scale| {
+        let factors = DVec3::from(scale.get_ref().0);
+        let usable = factors.is_finite() && factors.cmpne(DVec3::ZERO).all();
+        let problem = || format!("scale must be finite and not 0, but is {:?}", factors.to_array());
+        if usable {
+            Ok(factors)
+        } else {
+            Err(Fault::at(scale.span(), problem(), "a mesh scaled to nothing has no surface; remove the entity"))
+        }
+    })?;
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+fn rotation(given: &Spanned<Rotation>) -> Result<DQuat, Fault> {
+    let fault = |problem: &str| Fault::at(given.span(), problem, "write finite degrees about a nonzero axis");
+    match *given.get_ref() {
+        Rotation::Euler(degrees) => {
+            let angles = DVec3::from(degrees) * 1f64.to_radians();
+            if !angles.is_finite() {
+                return Err(fault("the angles must be finite"));
+            }
+            // glam's ZYX turns about the moving axes z, y, x, which is x, y, z about the fixed ones.
+            Ok(DQuat::from_euler(EulerRot::ZYX, angles.z, angles.y, angles.x))
+        }
+        Rotation::AxisAngle { axis, angle } => {
+            let axis = DVec3::from(axis).try_normalize().filter(|_| angle.is_finite());
+            let axis = axis.ok_or_else(|| fault("the axis has no direction or the angle is not finite"))?;
+            Ok(DQuat::from_axis_angle(axis, angle.to_radians()))
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The scene as authored: entities, and the tables that they share.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use glam::DAffine3;
+use hecs::Entity;
+
+use super::components::{
+    AuthoredAt, CameraLens, LocalTransform, MaterialHandle, MeshHandle, MeshShape, Name, Parent,
+};
+use super::error::Fault;
+use super::{Settings, SpacetimeKind};
+use crate::asset::{AssetError, Model, Node, load_gltf, load_obj};
+use crate::geometry::Mesh;
+use crate::shade::{Environment, Material};
+
+/// A scene before it is baked.
+pub(super) struct World {
+    /// Entities with the components of [`super::components`].
+    pub entities: hecs::World,
+    /// Meshes, by [`MeshHandle`].
+    pub meshes: Vec<Mesh>,
+    /// Materials, by [`MaterialHandle`].
+    pub materials: Vec<Material>,
+    /// Spacetime.
+    pub spacetime: SpacetimeKind,
+    /// Light from infinity.
+    pub environment: Environment,
+    /// Settings.
+    pub settings: Settings,
+    /// The camera written in the scene file itself.
+    pub camera: Option<Entity>,
+    /// One line each.
+    pub warnings: Vec<String>,
+    models: HashMap<PathBuf, LoadedModel>,
+}
+
+/// Nodes of a model whose meshes and materials are in the world's tables.
+struct LoadedModel {
+    nodes: Vec<Node>,
+    first_mesh: u32,
+    first_material: u32,
+}
+
+/// The two kinds of geometry files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ModelFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF, text or binary.
+    Gltf,
+}
+
+/// What a scene file says over the head of a model's own materials.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Look {
+    /// Replaces every material.
+    pub material: Option<MaterialHandle>,
+    /// Replaces the emission.
+    pub emission: Option<glam::Vec3>,
+}
+
+impl World {
+    /// A world without entities.
+    pub fn new(spacetime: SpacetimeKind, environment: Environment, settings: Settings) -> Self {
+        Self {
+            entities: hecs::World::new(),
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            spacetime,
+            environment,
+            settings,
+            camera: None,
+            warnings: Vec::new(),
+            models: HashMap::new(),
+        }
+    }
+
+    /// Adds a material to the table.
+    pub fn add_material(&mut self, material: Material) -> MaterialHandle {
+        self.materials.push(material);
+        MaterialHandle((self.materials.len() - 1) as u32)
+    }
+
+    /// The material behind a handle.
+    pub fn material(&self, handle: MaterialHandle) -> Material {
+        self.materials.get(handle.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// Spawns the nodes of a geometry file under `parent`; each file is read once.
+    pub fn spawn_model(
+        &mut self,
+        path: &Path,
+        format: ModelFormat,
+        parent: Entity,
+        look: Look,
+    ) -> Result<(), AssetError> {
+        let loaded = match self.models.remove(path) {
+            Some(loaded) => loaded,
+            None => self.read_model(path, format)?,
+        };
+        let mut changed = HashMap::new();
+        let mut spawned: Vec<Entity> = Vec::with_capacity(loaded.nodes.len());
+        for node in &loaded.nodes {
+            let above = node.parent.and_then(|index| spawned.get(index).copied()).unwrap_or(parent);
+            let parts = node.parts.iter().map(|part| {
+                let own = MaterialHandle(loaded.first_material + part.material as u32);
+                let material = *changed.entry(own).or_insert_with(|| self.restyled(own, look));
+                (MeshHandle(loaded.first_mesh + part.mesh as u32), material)
+            });
+            let shape = MeshShape(parts.collect());
+            spawned.push(self.spawn_node(node, above, shape));
+        }
+        self.models.insert(path.to_owned(), loaded);
+        Ok(())
+    }
+
+    fn spawn_node(&mut self, node: &Node, parent: Entity, shape: MeshShape) -> Entity {
+        let placed = (Parent(parent), LocalTransform(node.to_parent), Name(self.full_name(parent, &node.name)));
+        let entity = self.entities.spawn(placed);
+        // The entity was spawned on the line above, so inserting cannot fail.
+        if !shape.0.is_empty() {
+            let _ = self.entities.insert_one(entity, shape);
+        }
+        if let Some(lens) = node.lens {
+            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0 };
+            let _ = self.entities.insert_one(entity, lens);
+        }
+        entity
+    }
+
+    /// `room/Lamp` for the node `Lamp` of an entity that the scene file names `room`; `Lamp` if it has no name.
+    fn full_name(&self, parent: Entity, name: &str) -> String {
+        let root = self.ancestors(parent).last().unwrap_or(parent);
+        match self.entities.get::<&Name>(root) {
+            Ok(root) if !root.0.is_empty() => format!("{}/{name}", root.0),
+            _ => name.to_owned(),
+        }
+    }
+
+    /// The entities above `entity`, nearest first.
+    fn ancestors(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        let above = |entity: &Entity| self.entities.get::<&Parent>(*entity).ok().map(|parent| parent.0);
+        std::iter::successors(above(&entity), move |entity| above(entity))
+    }
+
+    fn restyled(&mut self, own: MaterialHandle, look: Look) -> MaterialHandle {
+        let base = look.material.unwrap_or(own);
+        match look.emission {
+            None => base,
+            Some(emission) => self.add_material(Material { emission, ..self.material(base) }),
+        }
+    }
+
+    fn read_model(&mut self, path: &Path, format: ModelFormat) -> Result<LoadedModel, AssetError> {
+        let Model { mut meshes, mut materials, nodes, mut warnings } = match format {
+            ModelFormat::Obj => load_obj(path)?,
+            ModelFormat::Gltf => load_gltf(path)?,
+        };
+        let loaded = LoadedModel {
+            nodes,
+            first_mesh: self.meshes.len() as u32,
+            first_material: self.materials.len() as u32,
+        };
+        self.meshes.append(&mut meshes);
+        self.materials.append(&mut materials);
+        self.warnings.append(&mut warnings);
+        Ok(loaded)
+    }
+
+    /// Spawns an entity of the scene file.
+    pub fn spawn_authored(&mut self, span: Range<usize>, name: Option<String>, placement: DAffine3) -> Entity {
+        let name = Name(name.unwrap_or_default());
+        self.entities.spawn((AuthoredAt(span), name, LocalTransform(placement)))
+    }
+
+    /// Name of an entity, for messages and for the object-id AOV.
+    pub fn name(&self, entity: Entity) -> String {
+        let name = self.entities.get::<&Name>(entity).map(|name| name.0.clone()).unwrap_or_default();
+        if name.is_empty() { format!("entity {}", entity.id()) } else { name }
+    }
+
+    /// A fault of `entity`, at the place where it or the entity that it belongs to is written.
+    pub fn fault(&self, entity: Entity, problem: &str, help: &str) -> Fault {
+        let span = std::iter::once(entity)
+            .chain(self.ancestors(entity))
+            .find_map(|entity| self.entities.get::<&AuthoredAt>(entity).ok().map(|at| at.0.clone()));
+        Fault::maybe_at(span, format!("`{}`: {problem}", self.name(entity)), help)
+    }
+}
