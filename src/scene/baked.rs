@@ -39,3 +39,21 @@ pub struct Baked {
     /// What was read but not understood, one line each.
     pub warnings: Vec<String>,
 }
+
+/// Arc tolerance beside the size of a pixel, where none is set.
+const PIXEL_FRACTION: f64 = 0.05;
+
+impl Baked {
+    /// Largest distance allowed between an arc and the true curve, scene units: as set, or a fraction of a pixel's
+    /// footprint at the distance of the hole.
+    pub fn arc_tolerance(&self) -> f64 {
+        let settings = &self.settings;
+        let center = match self.spacetime {
+            SpacetimeKind::Flat => self.camera.position,
+            SpacetimeKind::Schwarzschild { center, .. } => center,
+        };
+        let pixel = 2.0 * self.camera.tan_half_fov / settings.height as f64;
+        let footprint = pixel * self.camera.position.distance(center);
+        settings.arc_tolerance.unwrap_or(PIXEL_FRACTION * settings.arc_tolerance_factor * footprint)
+    }
+}

@@ -160,6 +160,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
             Some(tolerance) => Some(check::positive(tolerance, "arc_tolerance")?),
             None => default.arc_tolerance,
         },
+        arc_tolerance_factor: default.arc_tolerance_factor,
     };
     if settings.width.saturating_mul(settings.height) > MAX_PIXELS {
         let problem = format!("an image of {} × {} pixels is too large", settings.width, settings.height);

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::columns::columns;
 use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
 use crate::geodesic::{Arc, Control, Dense, Step, rkn4};
-use crate::geometry::{Geometry, Line, PrimitiveId, Segment};
+use crate::geometry::{Geometry, Line, PrimitiveId};
 use crate::spacetime::{Chart, ConformallyFlat, Stop};
 
 /// Rays of a static, spherically symmetric spacetime.

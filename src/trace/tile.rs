@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::samples::{Fate, FirstHit, Samples, Wanted};
 use super::work::Work;
-use crate::film::{Aov, Image, Plane};
+use crate::film::{Aov, BEAUTY, Image, Plane};
 
 /// Columns and rows of a tile.
 pub const TILE: usize = 32;
@@ -162,7 +162,7 @@ pub fn cover(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Ve
 /// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`.
 pub fn assemble(tiles: &[Tile], aovs: &[Aov], image: &mut Image) {
     let (width, height) = image.size;
-    let names = Image::BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));
+    let names = BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));
     image.planes =
         names.map(|name| Plane { name: name.to_string(), values: vec![0.0; width * height] }).collect();
     for tile in tiles {
