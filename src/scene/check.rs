@@ -15,7 +15,11 @@ fn require(
     problem: impl FnOnce() -> String,
     help: &str,
 ) -> Result<(), Fault> {
-    if good { Ok(()) } else { Err(Fault::at(span, problem(), help)) }
+    if good {
+        Ok(())
+    } else {
+        Err(Fault::at(span, problem(), help))
+    }
 }
 
 /// A finite number.
@@ -30,7 +34,12 @@ pub fn finite(value: &Number, what: &str) -> Result<f64, Fault> {
 pub fn positive(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must be positive, not {number}");
-    require(number > 0.0, value.span(), problem, "write a number greater than 0")?;
+    require(
+        number > 0.0,
+        value.span(),
+        problem,
+        "write a number greater than 0",
+    )?;
     Ok(number)
 }
 
@@ -38,7 +47,12 @@ pub fn positive(value: &Number, what: &str) -> Result<f64, Fault> {
 pub fn non_negative(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must not be negative, but is {number}");
-    require(number >= 0.0, value.span(), problem, "write 0 or a positive number")?;
+    require(
+        number >= 0.0,
+        value.span(),
+        problem,
+        "write 0 or a positive number",
+    )?;
     Ok(number)
 }
 
@@ -55,7 +69,12 @@ pub fn between(value: &Number, low: f64, high: f64, what: &str) -> Result<f64, F
 pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = DVec3::from(*value.get_ref());
     let problem = || format!("{what} must be finite, not {:?}", vector.to_array());
-    require(vector.is_finite(), value.span(), problem, "write three finite numbers")?;
+    require(
+        vector.is_finite(),
+        value.span(),
+        problem,
+        "write three finite numbers",
+    )?;
     Ok(vector)
 }
 
@@ -63,7 +82,11 @@ pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
 pub fn direction(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = finite_vector(value, what)?;
     vector.try_normalize().ok_or_else(|| {
-        Fault::at(value.span(), format!("{what} has no direction: its length is 0"), "write a nonzero vector")
+        Fault::at(
+            value.span(),
+            format!("{what} has no direction: its length is 0"),
+            "write a nonzero vector",
+        )
     })
 }
 
