@@ -192,7 +192,7 @@ fn values_without_meaning_show_their_line() {
         (
             "albedo = 0.7",
             "albedo = [0.7, -1, 0]",
-            "albedo must be finite and not negative",
+            "albedo must be between 0 and 1e18",
         ),
         ("albedo = 0.7", "albedo = 1.5", "albedo must be at most 1"),
         ("albedo = 0.7", "albedo = [1, 1, 1, 1]", "three numbers"),
@@ -205,7 +205,7 @@ fn values_without_meaning_show_their_line() {
         (
             "albedo = 0.7",
             "emission = -3",
-            "emission must be finite and not negative",
+            "emission must be between 0 and 1e18",
         ),
         (
             "vertical_fov = 40",
@@ -263,6 +263,31 @@ fn values_without_meaning_show_their_line() {
             "color = [1, 1, 1]",
             "strength = -1",
             "strength must not be negative",
+        ),
+        (
+            "color = [1, 1, 1]",
+            "strength = 1e30",
+            "strength must be finite and at most 1e18",
+        ),
+        (
+            "position = [0, 0, 10]",
+            "position = [0, 0, 1e30]",
+            "position must be finite and at most 1e18",
+        ),
+        (
+            "center = [0, 0, 0]",
+            "center = [0, 0, 1e30]",
+            "center must be finite and at most 1e18",
+        ),
+        (
+            "sphere = { center = [3, 0, 0], radius = 1 }",
+            "mesh = \"a.glb\"",
+            "`mesh` reads OBJ files",
+        ),
+        (
+            "sphere = { center = [3, 0, 0], radius = 1 }",
+            "gltf = \"a.OBJ\"",
+            "`gltf` reads glTF files",
         ),
         (
             "material = \"porcelain\"",

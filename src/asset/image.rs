@@ -11,7 +11,9 @@ use super::notes::Notes;
 /// Most pixels in a picture: 32768 × 16384.
 const MAX_PIXELS: usize = 1 << 29;
 /// Infinite pixels become this, the largest half-float: a sun stays bright without poisoning sums.
-const BRIGHTEST: f32 = 65504.0;
+const BRIGHTEST_HALF: f32 = 65504.0;
+/// Largest finite pixel: products with a strength stay finite in 32 bits.
+const BRIGHTEST: f32 = 1e18;
 
 /// A picture in linear RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub struct Picture {
 
 /// Reads a picture: `.exr` and `.hdr` are linear; `.png` and `.jpg` are sRGB and are made linear.
 ///
-/// Negative and NaN pixels become 0, infinite ones 65504, with a warning.
+/// Negative and NaN pixels become 0, infinite ones 65504, ones above 1e18 that, with a warning.
 ///
 /// # Errors
 /// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
@@ -141,8 +143,14 @@ fn clean(picture: &mut Picture, notes: &mut Notes) {
     for pixel in &mut picture.pixels {
         let clean = Vec3::from(pixel.to_array().map(|value| match value {
             value if value.is_nan() => 0.0,
-            value if value.is_infinite() => BRIGHTEST * (value > 0.0) as u8 as f32,
-            value => value.max(0.0),
+            value if value.is_infinite() => {
+                if value > 0.0 {
+                    BRIGHTEST_HALF
+                } else {
+                    0.0
+                }
+            }
+            value => value.clamp(0.0, BRIGHTEST),
         }));
         changed += usize::from(clean != *pixel);
         *pixel = clean;
@@ -188,7 +196,7 @@ mod tests {
         let picture = load(&path).unwrap();
         assert_eq!(
             picture.pixels,
-            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST)]
+            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST_HALF)]
         );
         assert_eq!(picture.warnings.len(), 1);
         assert!(

@@ -1,5 +1,7 @@
 //! Warnings, gathered so that each kind becomes one line with the names it concerns.
 
+use std::collections::HashSet;
+
 /// Names listed in full before a line says "and N more".
 const NAMES_SHOWN: usize = 6;
 
@@ -7,14 +9,17 @@ const NAMES_SHOWN: usize = 6;
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     kinds: Vec<(String, Vec<String>)>,
+    seen: HashSet<(String, String)>,
 }
 
 impl Notes {
     /// Notes that `kind` concerns `name`.
     pub fn add(&mut self, kind: impl Into<String>, name: impl Into<String>) {
         let (kind, name) = (kind.into(), name.into());
+        if !self.seen.insert((kind.clone(), name.clone())) {
+            return;
+        }
         match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, names)) if names.contains(&name) => {}
             Some((_, names)) => names.push(name),
             None => self.kinds.push((kind, vec![name])),
         }

@@ -123,6 +123,7 @@ fn check_lines(text: &str, notes: &mut Notes) -> Result<(), Flaw> {
         total[column] += 1;
     }
     let mut so_far: Counts = [0; 3];
+    let mut edges = 0;
     for (index, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let word = words.next().unwrap_or_default();
@@ -133,15 +134,15 @@ fn check_lines(text: &str, notes: &mut Notes) -> Result<(), Flaw> {
             }
             (None, "f") => words.try_for_each(|corner| check_corner(corner, so_far, total)),
             (None, "l") => {
-                notes.add(
-                    "lines and points have no surface and are ignored; first on line",
-                    "1 or later",
-                );
+                edges += 1;
                 words.try_for_each(|corner| check_corner(corner, so_far, total))
             }
             _ => Ok(()),
         };
         checked.map_err(|flaw| flaw.at(format!("line {}", index + 1)))?;
+    }
+    if edges > 0 {
+        notes.add("line elements have no surface and are ignored", edges.to_string());
     }
     Ok(())
 }

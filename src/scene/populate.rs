@@ -11,7 +11,8 @@ use super::components::{CameraLens, DiskShape, MaterialHandle, SphereShape};
 use super::error::{Fault, suggestion};
 use super::file::{
     CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
-    RenderTable, Rotation, SceneFile, SpacetimeName, SpacetimeTable, SphereTable, TransformTable,
+    RenderTable, Rotation, SceneFile, SkyName, SpacetimeName, SpacetimeTable, SphereTable, Text,
+    TransformTable,
 };
 use super::world::{Look, ModelFormat, World};
 use super::{Camera, Settings, SpacetimeKind};
@@ -131,16 +132,16 @@ fn environment(
         None => 1.0,
     };
     if let Some(image) = &table.image {
+        let degrees = table
+            .rotation
+            .as_ref()
+            .map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
         let error_at = |error| Fault::Asset {
             span: image.span(),
             error,
         };
         let picture = load_image(&folder.join(image.get_ref())).map_err(error_at)?;
         warnings.extend(picture.warnings);
-        let degrees = table
-            .rotation
-            .as_ref()
-            .map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
         return Ok(Environment::Image(LatLong {
             width: picture.width,
             height: picture.height,
@@ -149,7 +150,7 @@ fn environment(
         }));
     }
     match (&table.kind, &table.color, &table.strength) {
-        (Some(_), ..) => Ok(sky(strength)),
+        (Some(SkyName::Sky), ..) => Ok(sky(strength)),
         (None, Some(colour), _) => Ok(Environment::Constant(check::colour(colour, "color")? * strength)),
         (None, None, Some(_)) => Ok(Environment::Constant(Vec3::splat(strength))),
         (None, None, None) => Ok(Environment::Black),
@@ -333,6 +334,7 @@ fn spawn(
     let entity = world.spawn_authored(span, table.name, placement);
     for (path, format) in [(&table.mesh, ModelFormat::Obj), (&table.gltf, ModelFormat::Gltf)] {
         if let Some(path) = path {
+            check_format(path, format)?;
             let error_at = |error| Fault::Asset {
                 span: path.span(),
                 error,
@@ -352,6 +354,20 @@ fn spawn(
         let _ = world.entities.insert(entity, shape);
     }
     Ok(())
+}
+
+/// Fails if the extension is that of the other kind of file.
+fn check_format(path: &Text, format: ModelFormat) -> Result<(), Fault> {
+    let extension = Path::new(path.get_ref())
+        .extension()
+        .unwrap_or_default()
+        .to_ascii_lowercase();
+    let (problem, help) = match (format, extension.to_str()) {
+        (ModelFormat::Obj, Some("gltf" | "glb")) => ("`mesh` reads OBJ files", "write `gltf = ...` instead"),
+        (ModelFormat::Gltf, Some("obj")) => ("`gltf` reads glTF files", "write `mesh = ...` instead"),
+        _ => return Ok(()),
+    };
+    Err(Fault::at(path.span(), problem, help))
 }
 
 /// Names a sphere or disk without name by its place in the file; models bring the names of their nodes.

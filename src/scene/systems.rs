@@ -1,16 +1,17 @@
 //! What is computed from components: world transforms, world-space shapes, the camera, the scene's extent.
 
+use std::f64::consts::PI;
+
 use glam::{DAffine3, DVec3};
 use hecs::Entity;
 
 use super::Camera;
+use super::check::LARGEST;
 use super::components::{CameraLens, DiskShape, LocalTransform, Parent, SphereShape, WorldTransform};
 use super::error::Fault;
 use super::world::World;
 use crate::geometry::{Disk, Mesh, Primitives, Sphere};
 
-/// Largest coordinate, scene units: squared distances stay finite in 32 bits.
-const MAX_COORDINATE: f64 = 1e18;
 /// Relative deviation from a uniform scale that rounding may cause.
 const SCALE_TOLERANCE: f64 = 1e-5;
 /// Determinant, relative to the product of the axes' lengths, below which a transform counts as singular.
@@ -130,8 +131,13 @@ impl Bounds {
     pub fn is_representable(self) -> bool {
         [self.min, self.max]
             .iter()
-            .all(|corner| corner.is_finite() && corner.abs().max_element() < MAX_COORDINATE)
+            .all(|corner| is_representable(*corner))
     }
+}
+
+/// Whether a point has finite coordinates, small enough to compute with in 32 bits.
+pub(super) fn is_representable(point: DVec3) -> bool {
+    point.is_finite() && point.abs().max_element() <= LARGEST
 }
 
 /// Bounds of each mesh in its own space.
@@ -189,12 +195,14 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
     }
     let forward = to_world.transform_vector3(DVec3::NEG_Z);
     let up = to_world.transform_vector3(DVec3::Y);
+    let usable = lens.vertical_fov < PI && is_representable(to_world.translation);
     let camera = Camera::new(to_world.translation, forward, up, lens.vertical_fov, lens.near);
+    let camera = camera.filter(|_| usable);
     camera.map(Some).ok_or_else(|| {
         world.fault(
             entity,
             "the camera's position, direction or field of view is not usable",
-            "reset its transform, and use a vertical field of view between 0 and 180 degrees",
+            "place it no farther than 1e18 from the origin, with a field of view between 0 and 180 degrees",
         )
     })
 }

@@ -241,3 +241,28 @@ fn entity_emission_and_material_override_those_of_the_mesh() {
     );
     assert_eq!(last.emission, Vec3::splat(3.0));
 }
+
+#[test]
+fn an_environment_picture_turns_about_y() {
+    let files = Files::new(&[(
+        "a.toml",
+        "[environment]\nimage = \"sky.png\"\nrotation = 90\n[camera]\nposition = [0, 0, 0]\ndirection = [0, 0, -1]\nvertical_fov = 40\n",
+    )]);
+    // Four columns look along +Z−X, −X−Z, −Z+X, X+Z; the second is white.
+    let white = |x, _| image::Luma([if x == 1 { 255u8 } else { 0 }]);
+    image::GrayImage::from_fn(4, 2, white)
+        .save(files.path("sky.png"))
+        .unwrap();
+    let baked = load(&files.path("a.toml"), &[]).unwrap();
+    // A quarter turn to the left takes −X−Z to −X+Z.
+    assert_eq!(
+        baked.environment.radiance(DVec3::new(-1.0, 0.0, 1.0).normalize()),
+        Vec3::ONE
+    );
+    assert_eq!(
+        baked
+            .environment
+            .radiance(DVec3::new(-1.0, 0.0, -1.0).normalize()),
+        Vec3::ZERO
+    );
+}

@@ -90,6 +90,8 @@ impl World {
     }
 
     /// Spawns the nodes of a geometry file under `parent`; each file is read once.
+    ///
+    /// The node `Lamp` is called `room/Lamp` if the scene file names the entity `room`, and `Lamp` if it has no name.
     pub fn spawn_model(
         &mut self,
         path: &Path,
@@ -101,6 +103,11 @@ impl World {
             Some(loaded) => loaded,
             None => self.read_model(path, format)?,
         };
+        let prefix = self
+            .entities
+            .get::<&Name>(parent)
+            .map(|name| name.0.clone())
+            .unwrap_or_default();
         let mut changed = HashMap::new();
         let mut spawned: Vec<Entity> = Vec::with_capacity(loaded.nodes.len());
         for node in &loaded.nodes {
@@ -114,18 +121,19 @@ impl World {
                 (MeshHandle(loaded.first_mesh + part.mesh as u32), material)
             });
             let shape = MeshShape(parts.collect());
-            spawned.push(self.spawn_node(node, above, shape));
+            let name = if prefix.is_empty() {
+                node.name.clone()
+            } else {
+                format!("{prefix}/{}", node.name)
+            };
+            spawned.push(self.spawn_node(node, name, above, shape));
         }
         self.models.insert(path.to_owned(), loaded);
         Ok(())
     }
 
-    fn spawn_node(&mut self, node: &Node, parent: Entity, shape: MeshShape) -> Entity {
-        let placed = (
-            Parent(parent),
-            LocalTransform(node.to_parent),
-            Name(self.full_name(parent, &node.name)),
-        );
+    fn spawn_node(&mut self, node: &Node, name: String, parent: Entity, shape: MeshShape) -> Entity {
+        let placed = (Parent(parent), LocalTransform(node.to_parent), Name(name));
         let entity = self.entities.spawn(placed);
         // The entity was spawned on the line above, so inserting cannot fail.
         if !shape.0.is_empty() {
@@ -139,15 +147,6 @@ impl World {
             let _ = self.entities.insert_one(entity, lens);
         }
         entity
-    }
-
-    /// `room/Lamp` for the node `Lamp` of an entity that the scene file names `room`; `Lamp` if it has no name.
-    fn full_name(&self, parent: Entity, name: &str) -> String {
-        let root = self.ancestors(parent).last().unwrap_or(parent);
-        match self.entities.get::<&Name>(root) {
-            Ok(root) if !root.0.is_empty() => format!("{}/{name}", root.0),
-            _ => name.to_owned(),
-        }
     }
 
     /// The entities above `entity`, nearest first.
