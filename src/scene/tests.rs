@@ -110,6 +110,13 @@ fn the_room_shares_no_extra_meshes_and_names_its_nodes() {
             ior: 1.45,
             tint: Vec3::ONE
         }));
+    // The floor's only colour is that of its texture.
+    assert!(
+        baked
+            .materials
+            .iter()
+            .all(|m| m.lobe != Lobe::Diffuse { albedo: Vec3::ONE })
+    );
     assert!((baked.camera.position - DVec3::new(-0.25, 1.45, 2.75)).length() < 1e-6);
     assert!((baked.camera.up - DVec3::new(0.013619, 0.990319, -0.138139)).length() < 1e-5);
     assert!(
