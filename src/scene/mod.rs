@@ -1,6 +1,6 @@
 //! The scene: as authored (an ECS world), and as baked (flat tables).
 //!
-//! Text → [`file`](mod@file) tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
+//! Text → `file` tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
 //! or OBJ file by itself is a scene file with one entity.
 
 mod bake;
