@@ -11,7 +11,9 @@ use super::notes::Notes;
 /// Most pixels in a picture: 32768 × 16384.
 const MAX_PIXELS: usize = 1 << 29;
 /// Infinite pixels become this, the largest half-float: a sun stays bright without poisoning sums.
-const BRIGHTEST: f32 = 65504.0;
+const BRIGHTEST_HALF: f32 = 65504.0;
+/// Largest finite pixel: products with a strength stay finite in 32 bits.
+const BRIGHTEST: f32 = 1e18;
 
 /// A picture in linear RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +30,16 @@ pub struct Picture {
 
 /// Reads a picture: `.exr` and `.hdr` are linear; `.png` and `.jpg` are sRGB and are made linear.
 ///
-/// Negative and NaN pixels become 0, infinite ones 65504, with a warning.
+/// Negative and NaN pixels become 0, infinite ones 65504, ones above 1e18 that, with a warning.
 ///
 /// # Errors
 /// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
 pub fn load(path: &Path) -> Result<Picture, AssetError> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     let bytes = AssetError::read(path)?;
     let decoded = match extension.as_str() {
         "exr" => decode_exr(&bytes),
@@ -61,7 +67,10 @@ fn check_size(width: usize, height: usize) -> Result<(), Flaw> {
 }
 
 fn undecodable(error: impl std::fmt::Display) -> Flaw {
-    Flaw::new(format!("cannot be decoded: {error}"), "the file is damaged; save it again")
+    Flaw::new(
+        format!("cannot be decoded: {error}"),
+        "the file is damaged; save it again",
+    )
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
@@ -88,10 +97,16 @@ fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
     let (width, pixels) = image.layer_data.channel_data.pixels;
     let height = pixels.len().checked_div(width).unwrap_or(0);
     check_size(width, height)?;
-    Ok(Picture { width, height, pixels, warnings: Vec::new() })
+    Ok(Picture {
+        width,
+        height,
+        pixels,
+        warnings: Vec::new(),
+    })
 }
 
-fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
+/// Decodes HDR, PNG and JPEG.
+pub(super) fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
     let open = || {
         let reader = image::ImageReader::new(std::io::Cursor::new(bytes));
         reader.with_guessed_format().map_err(undecodable)
@@ -106,14 +121,21 @@ fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
     Ok(Picture {
         width: width as usize,
         height: height as usize,
-        pixels: pixels.pixels().map(|pixel| Vec3::from(pixel.0.map(transfer))).collect(),
+        pixels: pixels
+            .pixels()
+            .map(|pixel| Vec3::from(pixel.0.map(transfer)))
+            .collect(),
         warnings: Vec::new(),
     })
 }
 
 /// IEC 61966-2-1.
 fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 {
+        value / 12.92
+    } else {
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 fn clean(picture: &mut Picture, notes: &mut Notes) {
@@ -121,18 +143,30 @@ fn clean(picture: &mut Picture, notes: &mut Notes) {
     for pixel in &mut picture.pixels {
         let clean = Vec3::from(pixel.to_array().map(|value| match value {
             value if value.is_nan() => 0.0,
-            value if value.is_infinite() => BRIGHTEST * (value > 0.0) as u8 as f32,
-            value => value.max(0.0),
+            value if value.is_infinite() => {
+                if value > 0.0 {
+                    BRIGHTEST_HALF
+                } else {
+                    0.0
+                }
+            }
+            value => value.clamp(0.0, BRIGHTEST),
         }));
         changed += usize::from(clean != *pixel);
         *pixel = clean;
     }
     if changed > 0 {
-        notes.add("pixels that were negative or not finite are clamped", changed.to_string());
+        notes.add(
+            "pixels that were negative or not finite are clamped",
+            changed.to_string(),
+        );
     }
     if picture.width != 2 * picture.height {
         let size = format!("{} × {}", picture.width, picture.height);
-        notes.add("not twice as wide as high, so stretched as a latitude-longitude picture", size);
+        notes.add(
+            "not twice as wide as high, so stretched as a latitude-longitude picture",
+            size,
+        );
     }
 }
 
@@ -144,7 +178,9 @@ mod tests {
     fn eight_bit_pictures_become_linear() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sky.PNG");
-        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0])).save(&path).unwrap();
+        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0]))
+            .save(&path)
+            .unwrap();
         let picture = load(&path).unwrap();
         assert_eq!((picture.width, picture.height), (2, 1));
         assert!((picture.pixels[1] - Vec3::new(0.2158605, 1.0, 0.0)).length() < 1e-6);
@@ -158,9 +194,16 @@ mod tests {
         let values = [(1.0f32, 2.0f32, 3.0f32), (f32::NAN, -1.0, f32::INFINITY)];
         exr_file::write_rgb_file(&path, 2, 1, |x, _| values[x]).unwrap();
         let picture = load(&path).unwrap();
-        assert_eq!(picture.pixels, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST)]);
+        assert_eq!(
+            picture.pixels,
+            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST_HALF)]
+        );
         assert_eq!(picture.warnings.len(), 1);
-        assert!(picture.warnings[0].ends_with("clamped: 1"), "{:?}", picture.warnings);
+        assert!(
+            picture.warnings[0].ends_with("clamped: 1"),
+            "{:?}",
+            picture.warnings
+        );
     }
 
     #[test]

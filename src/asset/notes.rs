@@ -1,5 +1,7 @@
 //! Warnings, gathered so that each kind becomes one line with the names it concerns.
 
+use std::collections::HashSet;
+
 /// Names listed in full before a line says "and N more".
 const NAMES_SHOWN: usize = 6;
 
@@ -7,14 +9,17 @@ const NAMES_SHOWN: usize = 6;
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     kinds: Vec<(String, Vec<String>)>,
+    seen: HashSet<(String, String)>,
 }
 
 impl Notes {
     /// Notes that `kind` concerns `name`.
     pub fn add(&mut self, kind: impl Into<String>, name: impl Into<String>) {
         let (kind, name) = (kind.into(), name.into());
+        if !self.seen.insert((kind.clone(), name.clone())) {
+            return;
+        }
         match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
-            Some((_, names)) if names.contains(&name) => {}
             Some((_, names)) => names.push(name),
             None => self.kinds.push((kind, vec![name])),
         }
@@ -22,13 +27,21 @@ impl Notes {
 
     /// One line per kind, each with `file` in front.
     pub fn into_lines(self, file: &str) -> Vec<String> {
-        self.kinds.into_iter().map(|(kind, names)| format!("{file}: {kind}: {}", listed(&names))).collect()
+        self.kinds
+            .into_iter()
+            .map(|(kind, names)| format!("{file}: {kind}: {}", listed(&names)))
+            .collect()
     }
 }
 
 /// `a, b, c and 4 more`.
 fn listed(names: &[String]) -> String {
-    let shown = names.iter().take(NAMES_SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let shown = names
+        .iter()
+        .take(NAMES_SHOWN)
+        .map(String::as_str)
+        .collect::<Vec<_>>()
+        .join(", ");
     match names.len().checked_sub(NAMES_SHOWN) {
         None | Some(0) => shown,
         Some(more) => format!("{shown} and {more} more"),

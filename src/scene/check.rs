@@ -15,30 +15,52 @@ fn require(
     problem: impl FnOnce() -> String,
     help: &str,
 ) -> Result<(), Fault> {
-    if good { Ok(()) } else { Err(Fault::at(span, problem(), help)) }
+    if good {
+        Ok(())
+    } else {
+        Err(Fault::at(span, problem(), help))
+    }
 }
 
-/// A finite number.
+/// Largest number that makes sense anywhere: squares and products with it stay finite in 32 bits.
+pub const LARGEST: f64 = 1e18;
+
+/// A number from −1e18 to 1e18.
 pub fn finite(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = *value.get_ref();
-    let problem = || format!("{what} must be finite, not {number}");
-    require(number.is_finite(), value.span(), problem, "write a finite number")?;
+    let problem = || format!("{what} must be finite and at most {LARGEST:e}, not {number}");
+    require(
+        number.abs() <= LARGEST,
+        value.span(),
+        problem,
+        "write a smaller number",
+    )?;
     Ok(number)
 }
 
-/// A finite number > 0.
+/// A number > 0.
 pub fn positive(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must be positive, not {number}");
-    require(number > 0.0, value.span(), problem, "write a number greater than 0")?;
+    require(
+        number > 0.0,
+        value.span(),
+        problem,
+        "write a number greater than 0",
+    )?;
     Ok(number)
 }
 
-/// A finite number ≥ 0.
+/// A number ≥ 0.
 pub fn non_negative(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must not be negative, but is {number}");
-    require(number >= 0.0, value.span(), problem, "write 0 or a positive number")?;
+    require(
+        number >= 0.0,
+        value.span(),
+        problem,
+        "write 0 or a positive number",
+    )?;
     Ok(number)
 }
 
@@ -51,11 +73,17 @@ pub fn between(value: &Number, low: f64, high: f64, what: &str) -> Result<f64, F
     Ok(number)
 }
 
-/// A finite vector.
+/// A vector whose coordinates are from −1e18 to 1e18.
 pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = DVec3::from(*value.get_ref());
-    let problem = || format!("{what} must be finite, not {:?}", vector.to_array());
-    require(vector.is_finite(), value.span(), problem, "write three finite numbers")?;
+    let problem = || {
+        format!(
+            "{what} must be finite and at most {LARGEST:e}, not {:?}",
+            vector.to_array()
+        )
+    };
+    let good = vector.abs().cmple(DVec3::splat(LARGEST)).all();
+    require(good, value.span(), problem, "write three smaller numbers")?;
     Ok(vector)
 }
 
@@ -63,17 +91,21 @@ pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
 pub fn direction(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = finite_vector(value, what)?;
     vector.try_normalize().ok_or_else(|| {
-        Fault::at(value.span(), format!("{what} has no direction: its length is 0"), "write a nonzero vector")
+        Fault::at(
+            value.span(),
+            format!("{what} has no direction: its length is 0"),
+            "write a nonzero vector",
+        )
     })
 }
 
-/// A colour, each channel finite and ≥ 0.
+/// A colour, each channel from 0 to 1e18.
 pub fn colour(value: &Spanned<Triple>, what: &str) -> Result<Vec3, Fault> {
     let [r, g, b] = value.get_ref().0;
     let rgb = Vec3::new(r as f32, g as f32, b as f32);
-    let problem = || format!("{what} must be finite and not negative, but is [{r}, {g}, {b}]");
-    let good = rgb.is_finite() && rgb.cmpge(Vec3::ZERO).all();
-    require(good, value.span(), problem, "write numbers of at least 0")?;
+    let problem = || format!("{what} must be between 0 and {LARGEST:e}, but is [{r}, {g}, {b}]");
+    let good = rgb.cmpge(Vec3::ZERO).all() && rgb.cmple(Vec3::splat(LARGEST as f32)).all();
+    require(good, value.span(), problem, "write finite numbers of at least 0")?;
     Ok(rgb)
 }
 

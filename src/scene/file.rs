@@ -320,7 +320,9 @@ fn three_numbers<'de, A: SeqAccess<'de>>(
 ) -> Result<[f64; 3], A::Error> {
     let mut numbers = [0.0; 3];
     for (index, number) in numbers.iter_mut().enumerate() {
-        *number = sequence.next_element()?.ok_or_else(|| de::Error::invalid_length(index, expected))?;
+        *number = sequence
+            .next_element()?
+            .ok_or_else(|| de::Error::invalid_length(index, expected))?;
     }
     match sequence.next_element::<f64>()? {
         None => Ok(numbers),
@@ -331,9 +333,22 @@ fn three_numbers<'de, A: SeqAccess<'de>>(
 /// Deserialises a scene file's text.
 pub(super) fn parse(text: &str) -> Result<SceneFile, Fault> {
     toml::from_str(text).map_err(|error| {
-        let message = error.message().to_owned();
+        let message = plain(error.message());
         let help = remedy(&message);
         Fault::maybe_at(error.span(), message, help)
+    })
+}
+
+/// The message with Rust's names of number types in words.
+fn plain(message: &str) -> String {
+    let words = [
+        ("expected usize", "expected a whole number"),
+        ("expected u32", "expected a whole number below 2^32"),
+        ("expected u64", "expected a whole number"),
+        ("expected f64", "expected a number"),
+    ];
+    words.iter().fold(message.to_owned(), |message, (name, word)| {
+        message.replace(name, word)
     })
 }
 

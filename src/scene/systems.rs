@@ -1,16 +1,17 @@
 //! What is computed from components: world transforms, world-space shapes, the camera, the scene's extent.
 
+use std::f64::consts::PI;
+
 use glam::{DAffine3, DVec3};
 use hecs::Entity;
 
 use super::Camera;
+use super::check::LARGEST;
 use super::components::{CameraLens, DiskShape, LocalTransform, Parent, SphereShape, WorldTransform};
 use super::error::Fault;
 use super::world::World;
 use crate::geometry::{Disk, Mesh, Primitives, Sphere};
 
-/// Largest coordinate, scene units: squared distances stay finite in 32 bits.
-const MAX_COORDINATE: f64 = 1e18;
 /// Relative deviation from a uniform scale that rounding may cause.
 const SCALE_TOLERANCE: f64 = 1e-5;
 /// Determinant, relative to the product of the axes' lengths, below which a transform counts as singular.
@@ -52,15 +53,24 @@ fn uniform_scale(to_world: &DAffine3) -> Option<f64> {
     let m = to_world.matrix3;
     let scale = m.x_axis.length();
     let tolerance = SCALE_TOLERANCE * scale;
-    let equal = (m.y_axis.length() - scale).abs() <= tolerance && (m.z_axis.length() - scale).abs() <= tolerance;
-    let skew = m.x_axis.dot(m.y_axis).abs().max(m.y_axis.dot(m.z_axis).abs()).max(m.z_axis.dot(m.x_axis).abs());
+    let equal =
+        (m.y_axis.length() - scale).abs() <= tolerance && (m.z_axis.length() - scale).abs() <= tolerance;
+    let skew = m
+        .x_axis
+        .dot(m.y_axis)
+        .abs()
+        .max(m.y_axis.dot(m.z_axis).abs())
+        .max(m.z_axis.dot(m.x_axis).abs());
     (equal && skew <= tolerance * scale).then_some(scale)
 }
 
 /// The sphere in the world; `None` if it would become an ellipsoid.
 pub(super) fn sphere_in_world(SphereShape(sphere): SphereShape, to_world: &DAffine3) -> Option<Sphere> {
     let scale = uniform_scale(to_world)?;
-    Some(Sphere { center: to_world.transform_point3(sphere.center), radius: sphere.radius * scale })
+    Some(Sphere {
+        center: to_world.transform_point3(sphere.center),
+        radius: sphere.radius * scale,
+    })
 }
 
 /// The disk in the world; `None` if it would become elliptic.
@@ -86,44 +96,75 @@ pub(super) struct Bounds {
 impl Bounds {
     fn of(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         points.fold(None, |bounds, point| {
-            let Bounds { min, max } = bounds.unwrap_or(Bounds { min: point, max: point });
-            Some(Bounds { min: min.min(point), max: max.max(point) })
+            let Bounds { min, max } = bounds.unwrap_or(Bounds {
+                min: point,
+                max: point,
+            });
+            Some(Bounds {
+                min: min.min(point),
+                max: max.max(point),
+            })
         })
     }
 
     /// A box around a ball.
     fn around(center: DVec3, radius: f64) -> Self {
-        Self { min: center - radius, max: center + radius }
+        Self {
+            min: center - radius,
+            max: center + radius,
+        }
     }
 
     fn corners(self) -> [DVec3; 8] {
         let Bounds { min, max } = self;
         [0u8, 1, 2, 3, 4, 5, 6, 7].map(|corner| {
             let pick = |axis: u8, low: f64, high: f64| if corner >> axis & 1 == 0 { low } else { high };
-            DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
+            DVec3::new(
+                pick(0, min.x, max.x),
+                pick(1, min.y, max.y),
+                pick(2, min.z, max.z),
+            )
         })
     }
 
     /// Whether all coordinates are finite and small enough to compute with in 32 bits.
     pub fn is_representable(self) -> bool {
-        [self.min, self.max].iter().all(|corner| corner.is_finite() && corner.abs().max_element() < MAX_COORDINATE)
+        [self.min, self.max]
+            .iter()
+            .all(|corner| is_representable(*corner))
     }
+}
+
+/// Whether a point has finite coordinates, small enough to compute with in 32 bits.
+pub(super) fn is_representable(point: DVec3) -> bool {
+    point.is_finite() && point.abs().max_element() <= LARGEST
 }
 
 /// Bounds of each mesh in its own space.
 fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
-    Bounds::of(mesh.positions.iter().map(|position| glam::Vec3::from(*position).as_dvec3()))
+    Bounds::of(
+        mesh.positions
+            .iter()
+            .map(|position| glam::Vec3::from(*position).as_dvec3()),
+    )
 }
 
 /// Bounds of each primitive with the index of its entity.
 pub(super) fn primitive_bounds(primitives: &Primitives) -> Vec<(Bounds, u32)> {
     let meshes: Vec<Option<Bounds>> = primitives.meshes.iter().map(mesh_bounds).collect();
-    let spheres =
-        primitives.spheres.iter().map(|(s, surface)| (Bounds::around(s.center, s.radius), surface.entity));
-    let disks = primitives.disks.iter().map(|(d, surface)| (Bounds::around(d.center, d.outer), surface.entity));
+    let spheres = primitives
+        .spheres
+        .iter()
+        .map(|(s, surface)| (Bounds::around(s.center, s.radius), surface.entity));
+    let disks = primitives
+        .disks
+        .iter()
+        .map(|(d, surface)| (Bounds::around(d.center, d.outer), surface.entity));
     let instances = primitives.instances.iter().filter_map(|(instance, surface)| {
         let bounds = (*meshes.get(instance.mesh as usize)?)?;
-        let corners = bounds.corners().map(|corner| instance.to_world.transform_point3(corner));
+        let corners = bounds
+            .corners()
+            .map(|corner| instance.to_world.transform_point3(corner));
         Some((Bounds::of(corners.into_iter())?, surface.entity))
     });
     spheres.chain(disks).chain(instances).collect()
@@ -142,18 +183,26 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
         return Ok(None);
     };
     if world.camera.is_none() && found.len() > 1 {
-        let others: Vec<String> = found.iter().skip(1).map(|(entity, ..)| world.name(*entity)).collect();
+        let others: Vec<String> = found
+            .iter()
+            .skip(1)
+            .map(|(entity, ..)| world.name(*entity))
+            .collect();
         let used = world.name(entity);
-        world.warnings.push(format!("camera `{used}` is used; ignored: {}", others.join(", ")));
+        world
+            .warnings
+            .push(format!("camera `{used}` is used; ignored: {}", others.join(", ")));
     }
     let forward = to_world.transform_vector3(DVec3::NEG_Z);
     let up = to_world.transform_vector3(DVec3::Y);
-    let camera = Camera::new(to_world.translation.into(), forward, up, lens.vertical_fov, lens.near);
+    let usable = lens.vertical_fov < PI && is_representable(to_world.translation);
+    let camera = Camera::new(to_world.translation, forward, up, lens.vertical_fov, lens.near);
+    let camera = camera.filter(|_| usable);
     camera.map(Some).ok_or_else(|| {
         world.fault(
             entity,
             "the camera's position, direction or field of view is not usable",
-            "reset its transform, and use a vertical field of view between 0 and 180 degrees",
+            "place it no farther than 1e18 from the origin, with a field of view between 0 and 180 degrees",
         )
     })
 }
@@ -177,7 +226,8 @@ mod tests {
     #[test]
     fn similarity_is_told_from_shear_and_stretch() {
         let rotation = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 1.0, -2.0);
-        let similar = DAffine3::from_scale_rotation_translation(DVec3::new(2.0, -2.0, 2.0), rotation, DVec3::X);
+        let similar =
+            DAffine3::from_scale_rotation_translation(DVec3::new(2.0, -2.0, 2.0), rotation, DVec3::X);
         assert!((uniform_scale(&similar).unwrap() - 2.0).abs() < 1e-12);
         let stretched = DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.01));
         assert_eq!(uniform_scale(&stretched), None);
@@ -194,7 +244,10 @@ mod tests {
 
     #[test]
     fn the_framing_camera_sees_all_corners() {
-        let bounds = Bounds { min: DVec3::new(-1.0, 0.0, 2.0), max: DVec3::new(3.0, 5.0, 4.0) };
+        let bounds = Bounds {
+            min: DVec3::new(-1.0, 0.0, 2.0),
+            max: DVec3::new(3.0, 5.0, 4.0),
+        };
         for aspect in [4.0 / 3.0, 0.5] {
             let camera = framing_camera(&[(bounds, 0)], aspect).unwrap();
             for corner in bounds.corners() {

@@ -90,6 +90,8 @@ impl World {
     }
 
     /// Spawns the nodes of a geometry file under `parent`; each file is read once.
+    ///
+    /// The node `Lamp` is called `room/Lamp` if the scene file names the entity `room`, and `Lamp` if it has no name.
     pub fn spawn_model(
         &mut self,
         path: &Path,
@@ -101,43 +103,50 @@ impl World {
             Some(loaded) => loaded,
             None => self.read_model(path, format)?,
         };
+        let prefix = self
+            .entities
+            .get::<&Name>(parent)
+            .map(|name| name.0.clone())
+            .unwrap_or_default();
         let mut changed = HashMap::new();
         let mut spawned: Vec<Entity> = Vec::with_capacity(loaded.nodes.len());
         for node in &loaded.nodes {
-            let above = node.parent.and_then(|index| spawned.get(index).copied()).unwrap_or(parent);
+            let above = node
+                .parent
+                .and_then(|index| spawned.get(index).copied())
+                .unwrap_or(parent);
             let parts = node.parts.iter().map(|part| {
                 let own = MaterialHandle(loaded.first_material + part.material as u32);
                 let material = *changed.entry(own).or_insert_with(|| self.restyled(own, look));
                 (MeshHandle(loaded.first_mesh + part.mesh as u32), material)
             });
             let shape = MeshShape(parts.collect());
-            spawned.push(self.spawn_node(node, above, shape));
+            let name = if prefix.is_empty() {
+                node.name.clone()
+            } else {
+                format!("{prefix}/{}", node.name)
+            };
+            spawned.push(self.spawn_node(node, name, above, shape));
         }
         self.models.insert(path.to_owned(), loaded);
         Ok(())
     }
 
-    fn spawn_node(&mut self, node: &Node, parent: Entity, shape: MeshShape) -> Entity {
-        let placed = (Parent(parent), LocalTransform(node.to_parent), Name(self.full_name(parent, &node.name)));
+    fn spawn_node(&mut self, node: &Node, name: String, parent: Entity, shape: MeshShape) -> Entity {
+        let placed = (Parent(parent), LocalTransform(node.to_parent), Name(name));
         let entity = self.entities.spawn(placed);
         // The entity was spawned on the line above, so inserting cannot fail.
         if !shape.0.is_empty() {
             let _ = self.entities.insert_one(entity, shape);
         }
         if let Some(lens) = node.lens {
-            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0 };
+            let lens = CameraLens {
+                vertical_fov: lens.vertical_fov,
+                near: 0.0,
+            };
             let _ = self.entities.insert_one(entity, lens);
         }
         entity
-    }
-
-    /// `room/Lamp` for the node `Lamp` of an entity that the scene file names `room`; `Lamp` if it has no name.
-    fn full_name(&self, parent: Entity, name: &str) -> String {
-        let root = self.ancestors(parent).last().unwrap_or(parent);
-        match self.entities.get::<&Name>(root) {
-            Ok(root) if !root.0.is_empty() => format!("{}/{name}", root.0),
-            _ => name.to_owned(),
-        }
     }
 
     /// The entities above `entity`, nearest first.
@@ -150,12 +159,20 @@ impl World {
         let base = look.material.unwrap_or(own);
         match look.emission {
             None => base,
-            Some(emission) => self.add_material(Material { emission, ..self.material(base) }),
+            Some(emission) => self.add_material(Material {
+                emission,
+                ..self.material(base)
+            }),
         }
     }
 
     fn read_model(&mut self, path: &Path, format: ModelFormat) -> Result<LoadedModel, AssetError> {
-        let Model { mut meshes, mut materials, nodes, mut warnings } = match format {
+        let Model {
+            mut meshes,
+            mut materials,
+            nodes,
+            mut warnings,
+        } = match format {
             ModelFormat::Obj => load_obj(path)?,
             ModelFormat::Gltf => load_gltf(path)?,
         };
@@ -171,22 +188,41 @@ impl World {
     }
 
     /// Spawns an entity of the scene file.
-    pub fn spawn_authored(&mut self, span: Range<usize>, name: Option<String>, placement: DAffine3) -> Entity {
+    pub fn spawn_authored(
+        &mut self,
+        span: Range<usize>,
+        name: Option<String>,
+        placement: DAffine3,
+    ) -> Entity {
         let name = Name(name.unwrap_or_default());
-        self.entities.spawn((AuthoredAt(span), name, LocalTransform(placement)))
+        self.entities
+            .spawn((AuthoredAt(span), name, LocalTransform(placement)))
     }
 
     /// Name of an entity, for messages and for the object-id AOV.
     pub fn name(&self, entity: Entity) -> String {
-        let name = self.entities.get::<&Name>(entity).map(|name| name.0.clone()).unwrap_or_default();
-        if name.is_empty() { format!("entity {}", entity.id()) } else { name }
+        let name = self
+            .entities
+            .get::<&Name>(entity)
+            .map(|name| name.0.clone())
+            .unwrap_or_default();
+        if name.is_empty() {
+            format!("entity {}", entity.id())
+        } else {
+            name
+        }
     }
 
     /// A fault of `entity`, at the place where it or the entity that it belongs to is written.
     pub fn fault(&self, entity: Entity, problem: &str, help: &str) -> Fault {
         let span = std::iter::once(entity)
             .chain(self.ancestors(entity))
-            .find_map(|entity| self.entities.get::<&AuthoredAt>(entity).ok().map(|at| at.0.clone()));
+            .find_map(|entity| {
+                self.entities
+                    .get::<&AuthoredAt>(entity)
+                    .ok()
+                    .map(|at| at.0.clone())
+            });
         Fault::maybe_at(span, format!("`{}`: {problem}", self.name(entity)), help)
     }
 }

@@ -1,21 +1,27 @@
 //! The bytes behind a glTF file: its binary chunk, files beside it, and data URIs.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::asset::error::Flaw;
 
-/// The contents of all buffers.
-pub(super) struct Buffers {
+/// The contents of all buffers, and where files beside the glTF file are.
+pub(super) struct Buffers<'a> {
+    gltf: &'a gltf::Gltf,
+    folder: &'a Path,
     buffers: Vec<Vec<u8>>,
 }
 
-impl Buffers {
+impl<'a> Buffers<'a> {
     /// Reads all buffers; relative URIs are relative to `folder`.
-    pub fn read(gltf: &gltf::Gltf, folder: &Path) -> Result<Self, Flaw> {
+    pub fn read(gltf: &'a gltf::Gltf, folder: &'a Path) -> Result<Self, Flaw> {
         let read = |buffer: gltf::Buffer| {
             let bytes = match buffer.source() {
                 gltf::buffer::Source::Bin => gltf.blob.clone().ok_or_else(|| {
-                    Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
+                    Flaw::new(
+                        "the binary chunk is missing",
+                        "the file is cut off; copy or export it again",
+                    )
                 }),
                 gltf::buffer::Source::Uri(uri) => read_uri(uri, folder),
             }
@@ -24,23 +30,49 @@ impl Buffers {
                 return Ok(bytes);
             }
             Err(Flaw::new(
-                format!("buffer {} has {} bytes instead of {}", buffer.index(), bytes.len(), buffer.length()),
+                format!(
+                    "buffer {} has {} bytes instead of {}",
+                    buffer.index(),
+                    bytes.len(),
+                    buffer.length()
+                ),
                 "the file is cut off; copy or export it again",
             ))
         };
-        Ok(Self { buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
+        Ok(Self {
+            gltf,
+            folder,
+            buffers: gltf.buffers().map(read).collect::<Result<_, _>>()?,
+        })
     }
 
     /// The bytes of a buffer view.
     pub fn view(&self, view: &gltf::buffer::View) -> Result<&[u8], Flaw> {
         let end = view.offset().checked_add(view.length());
         let bytes = self.buffers.get(view.buffer().index());
-        bytes.zip(end).and_then(|(bytes, end)| bytes.get(view.offset()..end)).ok_or_else(|| {
-            Flaw::new(
-                format!("buffer view {} reaches beyond its buffer", view.index()),
-                "the file is damaged; export it again",
-            )
-        })
+        bytes
+            .zip(end)
+            .and_then(|(bytes, end)| bytes.get(view.offset()..end))
+            .ok_or_else(|| {
+                Flaw::new(
+                    format!("buffer view {} reaches beyond its buffer", view.index()),
+                    "the file is damaged; export it again",
+                )
+            })
+    }
+
+    /// The bytes of an encoded image.
+    ///
+    /// Goes by the JSON, since the crate's `Image::source` panics on an image without media type.
+    pub fn image(&self, image: &gltf::Image) -> Result<Cow<'_, [u8]>, Flaw> {
+        let json = self.gltf.document.as_json().images.get(image.index());
+        let view = json.and_then(|json| self.gltf.views().nth(json.buffer_view?.value()));
+        let uri = json.and_then(|json| json.uri.as_deref());
+        match (view, uri) {
+            (Some(view), _) => self.view(&view).map(Cow::Borrowed),
+            (None, Some(uri)) => read_uri(uri, self.folder).map(Cow::Owned),
+            (None, None) => Err(Flaw::new("the image has no data", "export the file again")),
+        }
     }
 }
 
@@ -49,12 +81,18 @@ fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Flaw> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
         return encoded.and_then(decode_base64).ok_or_else(|| {
-            Flaw::new("the data URI is not base64", "export with a separate .bin file or as .glb")
+            Flaw::new(
+                "the data URI is not base64",
+                "export with a separate .bin file or as .glb",
+            )
         });
     }
     let path = folder.join(decode_percent(uri));
     std::fs::read(&path).map_err(|error| {
-        Flaw::new(format!("{} cannot be read: {error}", path.display()), "put the file beside the .gltf file")
+        Flaw::new(
+            format!("{} cannot be read: {error}", path.display()),
+            "put the file beside the .gltf file",
+        )
     })
 }
 
@@ -88,7 +126,9 @@ fn decode_percent(uri: &str) -> String {
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
         let escaped = match rest {
-            [b'%', high, low, tail @ ..] => hex(*high).zip(hex(*low)).map(|(high, low)| (high << 4 | low, tail)),
+            [b'%', high, low, tail @ ..] => hex(*high)
+                .zip(hex(*low))
+                .map(|(high, low)| (high << 4 | low, tail)),
             _ => None,
         };
         let (byte, tail) = escaped.unwrap_or((*first, tail));
