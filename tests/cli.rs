@@ -37,10 +37,7 @@ impl Place {
 
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command
-            .current_dir(self.0.path())
-            .args(arguments)
-            .stdin(Stdio::null());
+        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null());
         command
     }
 
@@ -62,9 +59,8 @@ impl Place {
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
@@ -77,10 +73,7 @@ fn stderr(output: &Output) -> String {
 fn assert_refused(output: &Output, said: &[&str]) {
     let text = stderr(output);
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(
-        text.starts_with("error: ") && !text.contains("panicked"),
-        "{text}"
-    );
+    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
     for part in said {
         assert!(text.contains(part), "{text}\nlacks {part:?}");
     }
@@ -100,10 +93,7 @@ impl Mount {
     fn new(folder: PathBuf, options: &str) -> Option<Self> {
         fs::create_dir(&folder).unwrap();
         let mut mount = Command::new("mount");
-        mount
-            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
-            .arg(&folder)
-            .stderr(Stdio::null());
+        mount.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(&folder).stderr(Stdio::null());
         if mount.status().is_ok_and(|status| status.success()) {
             return Some(Self(folder));
         }
@@ -135,10 +125,7 @@ fn bad_flags_are_refused_with_the_flag_the_value_and_a_remedy() {
         (&["--tolerance", "-1e-3"], &["--tolerance", "-1e-3", "above 0"]),
         (&["--tolerance", "nan"], &["--tolerance", "nan"]),
         (&["--arc-tolerance", "0"], &["--arc-tolerance", "above 0"]),
-        (
-            &["--quality", "best"],
-            &["--quality", "best", "draft", "standard", "reference"],
-        ),
+        (&["--quality", "best"], &["--quality", "best", "draft", "standard", "reference"]),
         (&["--stepper", "euler"], &["--stepper", "euler", "rkn4"]),
         (&["--schedule", "x"], &["--schedule", "wavefront", "per-pixel"]),
         (&["--filter", "x"], &["--filter", "tent"]),
@@ -186,20 +173,14 @@ fn the_output_is_required_and_ends_in_exr() {
 #[test]
 fn a_crop_outside_the_picture_is_refused() {
     let place = Place::new();
-    assert_refused(
-        &place.render(&["--crop", "0,0,17,12"]),
-        &["--crop 0,0,17,12", "16x12", "help:"],
-    );
+    assert_refused(&place.render(&["--crop", "0,0,17,12"]), &["--crop 0,0,17,12", "16x12", "help:"]);
     assert!(place.files().is_empty());
 }
 
 #[test]
 fn a_missing_scene_is_refused_by_name() {
     let place = Place::new();
-    for arguments in [
-        &["render", "none.toml", "-o", "out.exr"][..],
-        &["info", "none.toml"],
-    ] {
+    for arguments in [&["render", "none.toml", "-o", "out.exr"][..], &["info", "none.toml"]] {
         assert_refused(&place.run(arguments), &["none.toml"]);
     }
     assert!(place.files().is_empty());
@@ -219,14 +200,8 @@ fn a_missing_output_folder_is_refused() {
     let place = Place::new();
     let cases = [
         (&["-o", "nowhere/out.exr"][..], "`nowhere/out.exr`"),
-        (
-            &["-o", "out.exr", "--png", "nowhere/out.png"],
-            "`nowhere/out.png`",
-        ),
-        (
-            &["-o", "out.exr", "--stats", "nowhere/out.json"],
-            "`nowhere/out.json`",
-        ),
+        (&["-o", "out.exr", "--png", "nowhere/out.png"], "`nowhere/out.png`"),
+        (&["-o", "out.exr", "--stats", "nowhere/out.json"], "`nowhere/out.json`"),
     ];
     for (flags, named) in cases {
         let output = place.run(&[&["render", "scene.toml"], flags].concat());
@@ -283,15 +258,7 @@ fn a_disk_that_fills_up_leaves_the_old_file_and_no_other() {
         return;
     };
     fs::write(mount.0.join("out.exr"), "old").unwrap();
-    let flags = [
-        "--no-png",
-        "--size",
-        "200x200",
-        "--spp",
-        "1",
-        "--aov",
-        "position,normal",
-    ];
+    let flags = ["--no-png", "--size", "200x200", "--spp", "1", "--aov", "position,normal"];
     let output = place.run(&[&["render", "scene.toml", "-o", "small/out.exr"], &flags[..]].concat());
     assert_refused(&output, &["`small/out.exr`", "full", "help:"]);
     assert_eq!(fs::read_to_string(mount.0.join("out.exr")).unwrap(), "old");
@@ -312,11 +279,7 @@ fn arguments_that_are_not_unicode_do_no_harm() {
         (&["info", "scene.toml", "--set"], b"\xff=1", "UTF-8"),
     ];
     for (arguments, odd, said) in cases {
-        let output = place
-            .command(arguments)
-            .arg(OsStr::from_bytes(odd))
-            .output()
-            .unwrap();
+        let output = place.command(arguments).arg(OsStr::from_bytes(odd)).output().unwrap();
         assert_refused(&output, &[said]);
     }
     assert!(place.files().is_empty());
@@ -327,11 +290,7 @@ fn a_reader_that_goes_away_is_no_failure() {
     let place = Place::new();
     for arguments in [&["info", "scene.toml"][..], &["--help"], &["render", "--help"]] {
         let mut command = place.command(arguments);
-        let mut child = command
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let mut text = String::new();
         child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
@@ -342,11 +301,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 #[test]
 fn errors_that_nobody_reads_do_not_panic() {
     let place = Place::new();
-    let mut child = place
-        .command(&["info", "none.toml"])
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = place.command(&["info", "none.toml"]).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stderr.take());
     assert_eq!(child.wait().unwrap().code(), Some(2));
 }
@@ -364,10 +319,7 @@ fn info_tells_what_the_scene_holds_and_why_stages_run() {
     let output = place.run(&["info", "scene.toml"]);
     assert_good(&output);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        text.contains("flat") && text.contains("no marching") && text.contains("16x12"),
-        "{text}"
-    );
+    assert!(text.contains("flat") && text.contains("no marching") && text.contains("16x12"), "{text}");
     let output = place.run(&["info", "scene.toml", "--black-hole", "-3,0,0,0.5", "--json"]);
     assert_good(&output);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -378,35 +330,17 @@ fn info_tells_what_the_scene_holds_and_why_stages_run() {
 #[test]
 fn a_render_writes_the_picture_its_preview_and_the_statistics() {
     let place = Place::new();
-    let flags = [
-        "--spp",
-        "2",
-        "--aov",
-        "depth,normal",
-        "--crop",
-        "4,2,12,8",
-        "--stats",
-        "out.json",
-    ];
+    let flags = ["--spp", "2", "--aov", "depth,normal", "--crop", "4,2,12,8", "--stats", "out.json"];
     let output = place.render(&flags);
     assert_good(&output);
     assert_eq!(place.files(), ["out.exr", "out.json", "out.png"]);
     let summary = stderr(&output);
-    assert!(
-        summary.contains("2 spp") && summary.contains("wrote out.exr, out.png, out.json"),
-        "{summary}"
-    );
+    assert!(summary.contains("2 spp") && summary.contains("wrote out.exr, out.png, out.json"), "{summary}");
 
     let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
-    assert_eq!(
-        (image.width, image.height, image.origin, image.size),
-        (16, 12, (4, 2), (8, 6))
-    );
+    assert_eq!((image.width, image.height, image.origin, image.size), (16, 12, (4, 2), (8, 6)));
     let planes: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
-    assert_eq!(
-        planes,
-        ["R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z"]
-    );
+    assert_eq!(planes, ["R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
     let stats: serde_json::Value =
         serde_json::from_slice(&fs::read(place.path("out.json")).unwrap()).unwrap();
     assert_eq!(stats["settings"]["spp"], 2);
@@ -423,15 +357,7 @@ fn no_preview_is_written_when_none_is_wanted() {
 /// Starts a render that takes minutes, and waits until it has opened its output and is at work.
 #[cfg(unix)]
 fn long_render(place: &Place) -> std::process::Child {
-    let flags = [
-        "--no-png",
-        "--threads",
-        "1",
-        "--size",
-        "512x512",
-        "--spp",
-        "60000",
-    ];
+    let flags = ["--no-png", "--threads", "1", "--size", "512x512", "--spp", "60000"];
     let mut command = place.command(&[&["render", "scene.toml", "-o", "out.exr"], &flags[..]].concat());
     let child = command.stderr(Stdio::piped()).spawn().unwrap();
     while place.files().is_empty() {
@@ -444,13 +370,7 @@ fn long_render(place: &Place) -> std::process::Child {
 #[cfg(unix)]
 fn interrupt(child: &std::process::Child) {
     let id = child.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-INT", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
 }
 
 #[cfg(unix)]
@@ -461,10 +381,6 @@ fn an_interrupted_render_writes_what_it_has_and_says_how_much_that_is() {
     interrupt(&child);
     let output = child.wait_with_output().unwrap();
     assert_good(&output);
-    assert!(
-        stderr(&output).contains("of 60000 samples"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("of 60000 samples"), "{}", stderr(&output));
     assert_eq!(place.files(), ["out.exr"]);
 }

@@ -45,9 +45,7 @@ struct Files {
 
 impl Files {
     fn new() -> Self {
-        Self {
-            folder: tempfile::tempdir().unwrap(),
-        }
+        Self { folder: tempfile::tempdir().unwrap() }
     }
 
     fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
@@ -87,10 +85,7 @@ fn assert_located(from: &str, to: &str, expected: &[&str]) {
     let text = GOOD.replacen(from, to, 1);
     let message = failure(load_text(&text));
     assert!(message.contains("scene.toml:"), "no file: {message}");
-    assert!(
-        message.contains(" | ") && message.contains('^'),
-        "no source line: {message}"
-    );
+    assert!(message.contains(" | ") && message.contains('^'), "no source line: {message}");
     for part in expected {
         assert!(message.contains(part), "{to}: no `{part}` in: {message}");
     }
@@ -105,10 +100,7 @@ fn the_scene_that_the_other_tests_spoil_is_good() {
 #[test]
 fn missing_files_are_named() {
     let message = failure(load_path(Path::new("no/such/scene.toml")));
-    assert!(
-        message.contains("no/such/scene.toml: cannot be read"),
-        "{message}"
-    );
+    assert!(message.contains("no/such/scene.toml: cannot be read"), "{message}");
     let message = failure(load_path(Path::new("no/such/model.glb")));
     assert!(message.contains("no/such/model.glb: cannot be read"), "{message}");
 }
@@ -124,11 +116,7 @@ fn a_wrong_extension_lists_the_right_ones() {
 
 #[test]
 fn malformed_toml_shows_the_line() {
-    assert_located(
-        "width = 64",
-        "width = = 64",
-        &["scene.toml:12:", "width = = 64", "TOML syntax"],
-    );
+    assert_located("width = 64", "width = = 64", &["scene.toml:12:", "width = = 64", "TOML syntax"]);
     assert_located("[film]", "[film", &["[film"]);
     assert_located("position = [0, 0, 10]", "position = [0, 0, 10", &["scene.toml:"]);
 }
@@ -139,23 +127,11 @@ fn unknown_names_come_with_a_suggestion() {
         ("albedo = 0.7", "albdo = 0.7", "did you mean `albedo`?"),
         ("[film]", "[flim]", "did you mean `film`?"),
         ("radius = 1 }", "raduis = 1 }", "did you mean `radius`?"),
-        (
-            "\"schwarzschild\"",
-            "\"schwarzchild\"",
-            "did you mean `schwarzschild`?",
-        ),
+        ("\"schwarzschild\"", "\"schwarzchild\"", "did you mean `schwarzschild`?"),
         ("\"tent\"", "\"tnet\"", "did you mean `tent`?"),
         ("spp = 4", "stepper = \"rk4paper\"", "did you mean `rk4-paper`?"),
-        (
-            "material = \"porcelain\"",
-            "material = \"porcelan\"",
-            "did you mean `porcelain`?",
-        ),
-        (
-            "material = \"porcelain\"",
-            "transform = { rotation = [0, 0, 0] }",
-            "did you mean `rotate`?",
-        ),
+        ("material = \"porcelain\"", "material = \"porcelan\"", "did you mean `porcelain`?"),
+        ("material = \"porcelain\"", "transform = { rotation = [0, 0, 0] }", "did you mean `rotate`?"),
         (
             "material = \"porcelain\"",
             "transform = { rotate = { axes = [0, 0, 1], angle = 1 } }",
@@ -172,163 +148,51 @@ fn values_without_meaning_show_their_line() {
         ("radius = 1 }", "radius = -1 }", "radius must be positive, not -1"),
         ("radius = 1 }", "radius = nan }", "radius must be finite"),
         ("radius = 1 }", "radius = \"big\" }", "invalid type"),
-        (
-            "radius = 1\n",
-            "radius = -2\n",
-            "schwarzschild_radius must not be negative",
-        ),
-        (
-            "radius = 1\n",
-            "radius = inf\n",
-            "schwarzschild_radius must be finite",
-        ),
+        ("radius = 1\n", "radius = -2\n", "schwarzschild_radius must not be negative"),
+        ("radius = 1\n", "radius = inf\n", "schwarzschild_radius must be finite"),
         ("schwarzschild_radius = 1\n", "", "needs a radius"),
-        (
-            "center = [3, 0, 0]",
-            "center = [3, inf, 0]",
-            "center must be finite",
-        ),
+        ("center = [3, 0, 0]", "center = [3, inf, 0]", "center must be finite"),
         ("center = [3, 0, 0]", "center = [3, 0]", "invalid length 2"),
-        (
-            "albedo = 0.7",
-            "albedo = [0.7, -1, 0]",
-            "albedo must be between 0 and 1e18",
-        ),
+        ("albedo = 0.7", "albedo = [0.7, -1, 0]", "albedo must be between 0 and 1e18"),
         ("albedo = 0.7", "albedo = 1.5", "albedo must be at most 1"),
         ("albedo = 0.7", "albedo = [1, 1, 1, 1]", "three numbers"),
         ("albedo = 0.7", "ior = 1.5", "only a dielectric has an `ior`"),
-        (
-            "albedo = 0.7",
-            "kind = \"dielectric\"\nior = 0",
-            "ior must be positive",
-        ),
-        (
-            "albedo = 0.7",
-            "emission = -3",
-            "emission must be between 0 and 1e18",
-        ),
-        (
-            "vertical_fov = 40",
-            "vertical_fov = 180",
-            "vertical_fov must be between 0 and 180",
-        ),
+        ("albedo = 0.7", "kind = \"dielectric\"\nior = 0", "ior must be positive"),
+        ("albedo = 0.7", "emission = -3", "emission must be between 0 and 1e18"),
+        ("vertical_fov = 40", "vertical_fov = 180", "vertical_fov must be between 0 and 180"),
         ("vertical_fov = 40\n", "", "missing field `vertical_fov`"),
-        (
-            "look_at = [0, 0, 0]",
-            "look_at = [0, 0, 10]",
-            "look_at equals position",
-        ),
-        (
-            "look_at = [0, 0, 0]",
-            "direction = [0, 0, 0]",
-            "direction has no direction",
-        ),
-        (
-            "look_at = [0, 0, 0]",
-            "direction = [0, 1, 0]",
-            "looks along its own `up`",
-        ),
+        ("look_at = [0, 0, 0]", "look_at = [0, 0, 10]", "look_at equals position"),
+        ("look_at = [0, 0, 0]", "direction = [0, 0, 0]", "direction has no direction"),
+        ("look_at = [0, 0, 0]", "direction = [0, 1, 0]", "looks along its own `up`"),
         ("look_at = [0, 0, 0]\n", "", "the camera has no view direction"),
-        (
-            "position = [0, 0, 10]",
-            "position = [0, 0, 0.2]",
-            "inside the black hole",
-        ),
+        ("position = [0, 0, 10]", "position = [0, 0, 0.2]", "inside the black hole"),
         ("width = 64", "width = 0", "width must be between 1 and"),
         ("width = 64", "width = -64", "invalid value"),
-        (
-            "width = 64\nheight = 48",
-            "width = 65536\nheight = 65536",
-            "too large",
-        ),
+        ("width = 64\nheight = 48", "width = 65536\nheight = 65536", "too large"),
         ("spp = 4", "spp = 0", "spp must be at least 1"),
         ("spp = 4", "spp = 99999999999", "invalid value"),
         ("spp = 4", "tolerance = 0", "tolerance must be between 0 and 1"),
-        (
-            "color = [1, 1, 1]",
-            "color = [1, 1, 1]\nkind = \"sky\"",
-            "exclude each other",
-        ),
-        (
-            "color = [1, 1, 1]",
-            "color = 1\nrotation = 3",
-            "`rotation` is for an `image`",
-        ),
-        (
-            "color = [1, 1, 1]",
-            "image = \"gone.exr\"",
-            "gone.exr: cannot be read",
-        ),
-        (
-            "color = [1, 1, 1]",
-            "strength = -1",
-            "strength must not be negative",
-        ),
-        (
-            "color = [1, 1, 1]",
-            "strength = 1e30",
-            "strength must be finite and at most 1e18",
-        ),
-        (
-            "position = [0, 0, 10]",
-            "position = [0, 0, 1e30]",
-            "position must be finite and at most 1e18",
-        ),
-        (
-            "center = [0, 0, 0]",
-            "center = [0, 0, 1e30]",
-            "center must be finite and at most 1e18",
-        ),
-        (
-            "sphere = { center = [3, 0, 0], radius = 1 }",
-            "mesh = \"a.glb\"",
-            "`mesh` reads OBJ files",
-        ),
-        (
-            "sphere = { center = [3, 0, 0], radius = 1 }",
-            "gltf = \"a.OBJ\"",
-            "`gltf` reads glTF files",
-        ),
-        (
-            "material = \"porcelain\"",
-            "transform = { scale = 0 }",
-            "scale must be finite and not 0",
-        ),
-        (
-            "material = \"porcelain\"",
-            "transform = { scale = [1, 2, 1] }",
-            "cannot be scaled differently",
-        ),
-        (
-            "material = \"porcelain\"",
-            "transform = { scale = 1e30 }",
-            "farther than 1e18",
-        ),
-        (
-            "material = \"porcelain\"",
-            "transform = { scale = 1e300 }",
-            "flattens it or is not finite",
-        ),
+        ("color = [1, 1, 1]", "color = [1, 1, 1]\nkind = \"sky\"", "exclude each other"),
+        ("color = [1, 1, 1]", "color = 1\nrotation = 3", "`rotation` is for an `image`"),
+        ("color = [1, 1, 1]", "image = \"gone.exr\"", "gone.exr: cannot be read"),
+        ("color = [1, 1, 1]", "strength = -1", "strength must not be negative"),
+        ("color = [1, 1, 1]", "strength = 1e30", "strength must be finite and at most 1e18"),
+        ("position = [0, 0, 10]", "position = [0, 0, 1e30]", "position must be finite and at most 1e18"),
+        ("center = [0, 0, 0]", "center = [0, 0, 1e30]", "center must be finite and at most 1e18"),
+        ("sphere = { center = [3, 0, 0], radius = 1 }", "mesh = \"a.glb\"", "`mesh` reads OBJ files"),
+        ("sphere = { center = [3, 0, 0], radius = 1 }", "gltf = \"a.OBJ\"", "`gltf` reads glTF files"),
+        ("material = \"porcelain\"", "transform = { scale = 0 }", "scale must be finite and not 0"),
+        ("material = \"porcelain\"", "transform = { scale = [1, 2, 1] }", "cannot be scaled differently"),
+        ("material = \"porcelain\"", "transform = { scale = 1e30 }", "farther than 1e18"),
+        ("material = \"porcelain\"", "transform = { scale = 1e300 }", "flattens it or is not finite"),
         (
             "material = \"porcelain\"",
             "transform = { rotate = { axis = [0, 0, 0], angle = 1 } }",
             "the axis has no direction",
         ),
-        (
-            "material = \"porcelain\"",
-            "mesh = \"gone.obj\"",
-            "more than one shape",
-        ),
-        (
-            "sphere = { center = [3, 0, 0], radius = 1 }\n",
-            "",
-            "the entity has no shape",
-        ),
-        (
-            "sphere = { center = [3, 0, 0], radius = 1 }",
-            "mesh = \"gone.obj\"",
-            "gone.obj: cannot be read",
-        ),
+        ("material = \"porcelain\"", "mesh = \"gone.obj\"", "more than one shape"),
+        ("sphere = { center = [3, 0, 0], radius = 1 }\n", "", "the entity has no shape"),
+        ("sphere = { center = [3, 0, 0], radius = 1 }", "mesh = \"gone.obj\"", "gone.obj: cannot be read"),
         (
             "sphere = { center = [3, 0, 0], radius = 1 }",
             "disk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 3, outer = 2 }",
@@ -365,9 +229,7 @@ fn a_lit_environment_alone_is_a_scene() {
 
 #[test]
 fn a_scene_without_light_is_a_warning() {
-    let baked = load_text(&GOOD.replace("color = [1, 1, 1]", "color = 0"))
-        .ok()
-        .unwrap();
+    let baked = load_text(&GOOD.replace("color = [1, 1, 1]", "color = 0")).ok().unwrap();
     assert_eq!(baked.warnings, ["nothing emits light: the picture will be black"]);
 }
 
@@ -375,18 +237,9 @@ fn a_scene_without_light_is_a_warning() {
 fn damaged_obj_files_name_the_line() {
     let files = Files::new();
     for (text, expected) in [
-        (
-            "v 0 0 0\nv nan 0 0\n",
-            "model.obj: line 2: the vertex is not finite",
-        ),
-        (
-            "v 0 0 0\nv 1e999 0 0\n",
-            "model.obj: line 2: the vertex is not finite",
-        ),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
-            "model.obj: line 4: vertex index 4 is out of range",
-        ),
+        ("v 0 0 0\nv nan 0 0\n", "model.obj: line 2: the vertex is not finite"),
+        ("v 0 0 0\nv 1e999 0 0\n", "model.obj: line 2: the vertex is not finite"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "model.obj: line 4: vertex index 4 is out of range"),
         ("v 0 0 0\nf 1 1 1\n", "no triangle with an area is left of 1"),
         ("", "holds no triangles"),
         ("\u{0}\u{1}f \u{fffd}", "holds no triangles"),
@@ -396,10 +249,7 @@ fn damaged_obj_files_name_the_line() {
         assert!(message.contains(expected), "{message}");
         let scene = files.write("scene.toml", "[[entity]]\nmesh = \"model.obj\"\n");
         let message = failure(load_path(&scene));
-        assert!(
-            message.contains("scene.toml:2:8") && message.contains(expected),
-            "{message}"
-        );
+        assert!(message.contains("scene.toml:2:8") && message.contains(expected), "{message}");
     }
 }
 
@@ -438,34 +288,19 @@ fn bad_overrides_name_themselves() {
         ("camera.position=[1, 2", "is not a TOML value"),
     ] {
         let message = failure(load_with(GOOD, &[text]));
-        assert!(
-            message.starts_with(&format!("--set {text}: ")) && message.contains(expected),
-            "{message}"
-        );
+        assert!(message.starts_with(&format!("--set {text}: ")) && message.contains(expected), "{message}");
     }
     let message = failure(load_with(GOOD, &["entity.ball.emision=1"]));
-    assert!(
-        message.contains("did you mean `emission`?") && message.contains("--set"),
-        "{message}"
-    );
+    assert!(message.contains("did you mean `emission`?") && message.contains("--set"), "{message}");
     let message = failure(load_with(GOOD, &["entity.0.sphere.radius=-1"]));
-    assert!(
-        message.contains("radius must be positive") && message.contains("--set"),
-        "{message}"
-    );
+    assert!(message.contains("radius must be positive") && message.contains("--set"), "{message}");
 }
 
 #[test]
 fn overrides_change_the_scene() {
-    let baked = load_with(
-        GOOD,
-        &[
-            "film.width=32",
-            "render.sampler=independent",
-            "material.0.albedo=[0.1,0.2,0.3]",
-        ],
-    )
-    .unwrap_or_else(|message| panic!("{message}"));
+    let baked =
+        load_with(GOOD, &["film.width=32", "render.sampler=independent", "material.0.albedo=[0.1,0.2,0.3]"])
+            .unwrap_or_else(|message| panic!("{message}"));
     assert_eq!(baked.settings.width, 32);
     assert_eq!(baked.settings.sampler, warpfront::scene::SamplerKind::Independent);
     assert_eq!(baked.materials[0].albedo(), glam::Vec3::new(0.1, 0.2, 0.3));

@@ -29,19 +29,12 @@ pub enum AssetError {
 impl AssetError {
     /// An error in the content of the file at `path`.
     pub fn content(path: &Path, flaw: Flaw) -> Self {
-        AssetError::Content {
-            path: path.to_owned(),
-            problem: flaw.problem,
-            help: flaw.help,
-        }
+        AssetError::Content { path: path.to_owned(), problem: flaw.problem, help: flaw.help }
     }
 
     /// Reads a file whole.
     pub(super) fn read(path: &Path) -> Result<Vec<u8>, Self> {
-        std::fs::read(path).map_err(|source| AssetError::Read {
-            path: path.to_owned(),
-            source,
-        })
+        std::fs::read(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })
     }
 }
 
@@ -57,17 +50,11 @@ pub struct Flaw {
 impl Flaw {
     /// A flaw from its two sentences.
     pub fn new(problem: impl Into<String>, help: impl Into<String>) -> Self {
-        Self {
-            problem: problem.into(),
-            help: help.into(),
-        }
+        Self { problem: problem.into(), help: help.into() }
     }
 
     /// The same flaw, with the place in the file in front.
     pub fn at(self, place: impl std::fmt::Display) -> Self {
-        Self {
-            problem: format!("{place}: {}", self.problem),
-            ..self
-        }
+        Self { problem: format!("{place}: {}", self.problem), ..self }
     }
 }

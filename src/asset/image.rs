@@ -35,11 +35,7 @@ pub struct Picture {
 /// # Errors
 /// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
 pub fn load(path: &Path) -> Result<Picture, AssetError> {
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let bytes = AssetError::read(path)?;
     let decoded = match extension.as_str() {
         "exr" => decode_exr(&bytes),
@@ -67,10 +63,7 @@ fn check_size(width: usize, height: usize) -> Result<(), Flaw> {
 }
 
 fn undecodable(error: impl std::fmt::Display) -> Flaw {
-    Flaw::new(
-        format!("cannot be decoded: {error}"),
-        "the file is damaged; save it again",
-    )
+    Flaw::new(format!("cannot be decoded: {error}"), "the file is damaged; save it again")
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
@@ -97,12 +90,7 @@ fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
     let (width, pixels) = image.layer_data.channel_data.pixels;
     let height = pixels.len().checked_div(width).unwrap_or(0);
     check_size(width, height)?;
-    Ok(Picture {
-        width,
-        height,
-        pixels,
-        warnings: Vec::new(),
-    })
+    Ok(Picture { width, height, pixels, warnings: Vec::new() })
 }
 
 /// Decodes HDR, PNG and JPEG.
@@ -121,21 +109,14 @@ pub(super) fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
     Ok(Picture {
         width: width as usize,
         height: height as usize,
-        pixels: pixels
-            .pixels()
-            .map(|pixel| Vec3::from(pixel.0.map(transfer)))
-            .collect(),
+        pixels: pixels.pixels().map(|pixel| Vec3::from(pixel.0.map(transfer))).collect(),
         warnings: Vec::new(),
     })
 }
 
 /// IEC 61966-2-1.
 fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 fn clean(picture: &mut Picture, notes: &mut Notes) {
@@ -156,17 +137,11 @@ fn clean(picture: &mut Picture, notes: &mut Notes) {
         *pixel = clean;
     }
     if changed > 0 {
-        notes.add(
-            "pixels that were negative or not finite are clamped",
-            changed.to_string(),
-        );
+        notes.add("pixels that were negative or not finite are clamped", changed.to_string());
     }
     if picture.width != 2 * picture.height {
         let size = format!("{} × {}", picture.width, picture.height);
-        notes.add(
-            "not twice as wide as high, so stretched as a latitude-longitude picture",
-            size,
-        );
+        notes.add("not twice as wide as high, so stretched as a latitude-longitude picture", size);
     }
 }
 
@@ -178,9 +153,7 @@ mod tests {
     fn eight_bit_pictures_become_linear() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sky.PNG");
-        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0]))
-            .save(&path)
-            .unwrap();
+        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0])).save(&path).unwrap();
         let picture = load(&path).unwrap();
         assert_eq!((picture.width, picture.height), (2, 1));
         assert!((picture.pixels[1] - Vec3::new(0.2158605, 1.0, 0.0)).length() < 1e-6);
@@ -194,16 +167,9 @@ mod tests {
         let values = [(1.0f32, 2.0f32, 3.0f32), (f32::NAN, -1.0, f32::INFINITY)];
         exr_file::write_rgb_file(&path, 2, 1, |x, _| values[x]).unwrap();
         let picture = load(&path).unwrap();
-        assert_eq!(
-            picture.pixels,
-            [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST_HALF)]
-        );
+        assert_eq!(picture.pixels, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST_HALF)]);
         assert_eq!(picture.warnings.len(), 1);
-        assert!(
-            picture.warnings[0].ends_with("clamped: 1"),
-            "{:?}",
-            picture.warnings
-        );
+        assert!(picture.warnings[0].ends_with("clamped: 1"), "{:?}", picture.warnings);
     }
 
     #[test]

@@ -17,18 +17,12 @@ const GLASS_IOR: f32 = 1.5;
 pub(super) fn load(path: &Path, notes: &mut Notes) -> tobj::MTLLoadResult {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| {
-        notes.add(
-            "material library not read, the default material is used",
-            format!("{name} ({error})"),
-        );
+        notes.add("material library not read, the default material is used", format!("{name} ({error})"));
         tobj::LoadError::OpenFileFailed
     })?;
     let text = screened(&String::from_utf8_lossy(&bytes), notes);
     tobj::load_mtl_buf(&mut Cursor::new(text)).inspect_err(|error| {
-        notes.add(
-            "material library malformed, the default material is used",
-            format!("{name} ({error})"),
-        );
+        notes.add("material library malformed, the default material is used", format!("{name} ({error})"));
     })
 }
 
@@ -45,10 +39,7 @@ fn screened(text: &str, notes: &mut Notes) -> String {
             match numbers.as_slice() {
                 [grey] => screened.push_str(&format!("{keyword} {grey} {grey} {grey}")),
                 [r, g, b, ..] => screened.push_str(&format!("{keyword} {r} {g} {b}")),
-                _ => notes.add(
-                    "colours that are not RGB are ignored; line",
-                    (index + 1).to_string(),
-                ),
+                _ => notes.add("colours that are not RGB are ignored; line", (index + 1).to_string()),
             }
         } else {
             screened.push_str(line);
@@ -74,31 +65,20 @@ pub(super) fn convert(material: &tobj::Material, notes: &mut Notes) -> Material 
     };
     let lobe = match material.illumination_model {
         Some(4 | 6 | 7 | 9) => glass(material),
-        Some(3 | 5) => Lobe::Mirror {
-            reflectance: unit(material.specular, 1.0),
-        },
+        Some(3 | 5) => Lobe::Mirror { reflectance: unit(material.specular, 1.0) },
         _ if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
-        _ => Lobe::Diffuse {
-            albedo: unit(material.diffuse, 0.8),
-        },
+        _ => Lobe::Diffuse { albedo: unit(material.diffuse, 0.8) },
     };
     let emission = material.emissive.map_or(Vec3::ZERO, Vec3::from);
     let usable = emission.is_finite() && emission.cmpge(Vec3::ZERO).all();
     if !usable {
         notes.add("emission that is negative or not finite is ignored", name);
     }
-    Material {
-        lobe,
-        emission: if usable { emission } else { Vec3::ZERO },
-        ..Material::default()
-    }
+    Material { lobe, emission: if usable { emission } else { Vec3::ZERO }, ..Material::default() }
 }
 
 fn glass(material: &tobj::Material) -> Lobe {
-    let ior = material
-        .optical_density
-        .filter(|ior| ior.is_finite() && *ior >= 1.0)
-        .unwrap_or(GLASS_IOR);
+    let ior = material.optical_density.filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(GLASS_IOR);
     Lobe::Dielectric { ior, tint: Vec3::ONE }
 }
 
@@ -111,10 +91,7 @@ fn note_ignored(material: &tobj::Material, notes: &mut Notes) {
         ("map_Ns", &material.shininess_texture),
         ("map_d", &material.dissolve_texture),
     ];
-    let present = maps
-        .iter()
-        .filter(|(_, texture)| texture.is_some())
-        .map(|(key, _)| *key);
+    let present = maps.iter().filter(|(_, texture)| texture.is_some()).map(|(key, _)| *key);
     let mut unknown: Vec<&str> = material.unknown_param.keys().map(String::as_str).collect();
     unknown.sort_unstable();
     for key in present.chain(unknown) {
@@ -129,10 +106,7 @@ mod tests {
     fn convert_text(text: &str) -> (Vec<Material>, Vec<String>) {
         let mut notes = Notes::default();
         let (materials, _) = tobj::load_mtl_buf(&mut Cursor::new(screened(text, &mut notes))).unwrap();
-        let converted = materials
-            .iter()
-            .map(|material| convert(material, &mut notes))
-            .collect();
+        let converted = materials.iter().map(|material| convert(material, &mut notes)).collect();
         (converted, notes.into_lines("a.mtl"))
     }
 
@@ -145,20 +119,10 @@ mod tests {
         assert_eq!(
             lobes,
             [
-                Lobe::Mirror {
-                    reflectance: Vec3::new(0.9, 0.8, 0.7)
-                },
-                Lobe::Dielectric {
-                    ior: 1.3,
-                    tint: Vec3::ONE
-                },
-                Lobe::Dielectric {
-                    ior: 1.5,
-                    tint: Vec3::ONE
-                },
-                Lobe::Diffuse {
-                    albedo: Vec3::new(0.1, 0.2, 0.3)
-                },
+                Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) },
+                Lobe::Dielectric { ior: 1.3, tint: Vec3::ONE },
+                Lobe::Dielectric { ior: 1.5, tint: Vec3::ONE },
+                Lobe::Diffuse { albedo: Vec3::new(0.1, 0.2, 0.3) },
             ]
         );
         assert!(warnings.is_empty(), "{warnings:?}");

@@ -27,21 +27,13 @@ impl Notes {
 
     /// One line per kind, each with `file` in front.
     pub fn into_lines(self, file: &str) -> Vec<String> {
-        self.kinds
-            .into_iter()
-            .map(|(kind, names)| format!("{file}: {kind}: {}", listed(&names)))
-            .collect()
+        self.kinds.into_iter().map(|(kind, names)| format!("{file}: {kind}: {}", listed(&names))).collect()
     }
 }
 
 /// `a, b, c and 4 more`.
 fn listed(names: &[String]) -> String {
-    let shown = names
-        .iter()
-        .take(NAMES_SHOWN)
-        .map(String::as_str)
-        .collect::<Vec<_>>()
-        .join(", ");
+    let shown = names.iter().take(NAMES_SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     match names.len().checked_sub(NAMES_SHOWN) {
         None | Some(0) => shown,
         Some(more) => format!("{shown} and {more} more"),
@@ -62,10 +54,7 @@ mod tests {
         notes.add("animation ignored", "walk");
         assert_eq!(
             notes.into_lines("a.glb"),
-            [
-                "a.glb: texture ignored: m0, m1, m2, m3, m4, m5 and 3 more",
-                "a.glb: animation ignored: walk"
-            ]
+            ["a.glb: texture ignored: m0, m1, m2, m3, m4, m5 and 3 more", "a.glb: animation ignored: walk"]
         );
     }
 }

@@ -25,12 +25,8 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
     let notes = RefCell::new(Notes::default());
     let content = |flaw| AssetError::content(path, flaw);
     check_lines(&text, &mut notes.borrow_mut()).map_err(content)?;
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-    };
+    let options =
+        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let library = |file: &Path| {
         let file = path.parent().unwrap_or(Path::new("")).join(file);
         mtl::load(&file, &mut notes.borrow_mut())
@@ -40,10 +36,7 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
     let mut notes = notes.into_inner();
     let materials = materials.unwrap_or_default();
     let mut model = Model {
-        materials: materials
-            .iter()
-            .map(|material| mtl::convert(material, &mut notes))
-            .collect(),
+        materials: materials.iter().map(|material| mtl::convert(material, &mut notes)).collect(),
         ..Model::default()
     };
     let mut dropped = 0;
@@ -77,10 +70,7 @@ fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<u
     }
     let dropped = tidy(&mut mesh).map_err(|flaw| flaw.at(format!("object `{name}`")))?;
     let material = part.mesh.material_id.unwrap_or_else(|| default_material(model));
-    let part = Part {
-        mesh: model.meshes.len(),
-        material,
-    };
+    let part = Part { mesh: model.meshes.len(), material };
     model.meshes.push(mesh);
     match model.nodes.last_mut().filter(|node| node.name == name) {
         Some(node) => node.parts.push(part),
@@ -97,10 +87,7 @@ fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<u
 
 /// Index of a material for faces without one.
 fn default_material(model: &mut Model) -> usize {
-    let found = model
-        .materials
-        .iter()
-        .position(|material| *material == Material::default());
+    let found = model.materials.iter().position(|material| *material == Material::default());
     found.unwrap_or_else(|| {
         model.materials.push(Material::default());
         model.materials.len() - 1
@@ -155,10 +142,7 @@ fn check_numbers<'a>(words: impl Iterator<Item = &'a str>, what: &str) -> Result
     for word in words {
         // A normal that is not finite is repaired later; exporters write them for degenerate faces.
         let finite = word.parse::<f32>().map_err(|_| {
-            Flaw::new(
-                format!("`{word}` is not a number"),
-                "write the coordinates as decimal numbers",
-            )
+            Flaw::new(format!("`{word}` is not a number"), "write the coordinates as decimal numbers")
         })?;
         if !finite.is_finite() && what == INDEX_NAMES[0] {
             return Err(Flaw::new(
@@ -173,10 +157,7 @@ fn check_numbers<'a>(words: impl Iterator<Item = &'a str>, what: &str) -> Result
 /// Checks a face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 fn check_corner(corner: &str, so_far: Counts, total: Counts) -> Result<(), Flaw> {
     let malformed = || {
-        Flaw::new(
-            format!("`{corner}` is not a face corner"),
-            "write corners as v, v/vt, v//vn or v/vt/vn",
-        )
+        Flaw::new(format!("`{corner}` is not a face corner"), "write corners as v, v/vt, v//vn or v/vt/vn")
     };
     for (column, word) in corner.split('/').enumerate() {
         if word.is_empty() && column > 0 {
@@ -240,10 +221,7 @@ mod tests {
     #[test]
     fn malformed_lines_are_named() {
         for (tail, expected) in [
-            (
-                "f 1 2 9",
-                "line 5: vertex index 9 is out of range: the file has 4",
-            ),
+            ("f 1 2 9", "line 5: vertex index 9 is out of range: the file has 4"),
             ("f 1 2 0", "line 5: vertex index 0 is out of range"),
             ("f 1 2 -9223372036854775808", "line 5: vertex index"),
             ("f 1//9223372036854775807 2 3", "line 5: normal index"),
@@ -256,9 +234,7 @@ mod tests {
             ("f", "invalid polygon"),
             ("", "holds no triangles"),
         ] {
-            let message = load_text(&format!("{SQUARE}{tail}\n"), "")
-                .unwrap_err()
-                .to_string();
+            let message = load_text(&format!("{SQUARE}{tail}\n"), "").unwrap_err().to_string();
             assert!(message.contains(expected), "{tail}: {message}");
         }
     }

@@ -14,8 +14,7 @@ pub(super) fn tidy(mesh: &mut Mesh) -> Result<usize, Flaw> {
     check_indices(mesh)?;
     let read = mesh.triangles.len();
     let positions = &mesh.positions;
-    mesh.triangles
-        .retain(|triangle| area_normal(positions, triangle) != DVec3::ZERO);
+    mesh.triangles.retain(|triangle| area_normal(positions, triangle) != DVec3::ZERO);
     if mesh.triangles.is_empty() {
         return Err(Flaw::new(
             format!("no triangle with an area is left of {read}"),
@@ -30,10 +29,7 @@ fn check_positions(mesh: &Mesh) -> Result<(), Flaw> {
     match mesh.positions.iter().position(|p| !Vec3::from(*p).is_finite()) {
         None => Ok(()),
         Some(vertex) => Err(Flaw::new(
-            format!(
-                "vertex {vertex} is not finite: {:?}",
-                mesh.positions.get(vertex).unwrap_or(&[0.0; 3])
-            ),
+            format!("vertex {vertex} is not finite: {:?}", mesh.positions.get(vertex).unwrap_or(&[0.0; 3])),
             "fix the vertex in the modelling program and export again",
         )),
     }
@@ -41,12 +37,7 @@ fn check_positions(mesh: &Mesh) -> Result<(), Flaw> {
 
 fn check_indices(mesh: &Mesh) -> Result<(), Flaw> {
     let count = mesh.positions.len();
-    match mesh
-        .triangles
-        .iter()
-        .flatten()
-        .find(|&&index| index as usize >= count)
-    {
+    match mesh.triangles.iter().flatten().find(|&&index| index as usize >= count) {
         None => Ok(()),
         Some(index) => Err(Flaw::new(
             format!("vertex index {index} is out of range: there are {count} vertices"),
@@ -57,11 +48,8 @@ fn check_indices(mesh: &Mesh) -> Result<(), Flaw> {
 
 /// Twice the area times the unit normal; zero if the triangle is degenerate or its area underflows.
 fn area_normal(positions: &[[f32; 3]], triangle: &[u32; 3]) -> DVec3 {
-    let [a, b, c] = triangle.map(|index| {
-        positions
-            .get(index as usize)
-            .map_or(DVec3::ZERO, |p| Vec3::from(*p).as_dvec3())
-    });
+    let [a, b, c] = triangle
+        .map(|index| positions.get(index as usize).map_or(DVec3::ZERO, |p| Vec3::from(*p).as_dvec3()));
     (b - a).cross(c - a)
 }
 
@@ -101,34 +89,20 @@ mod tests {
 
     #[test]
     fn degenerate_triangles_are_dropped_and_counted() {
-        let mut mesh = Mesh {
-            triangles: vec![[0, 1, 2], [0, 0, 1], [1, 1, 1]],
-            ..triangle()
-        };
+        let mut mesh = Mesh { triangles: vec![[0, 1, 2], [0, 0, 1], [1, 1, 1]], ..triangle() };
         assert_eq!(tidy(&mut mesh), Ok(2));
         assert_eq!(mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]
     fn a_mesh_of_degenerate_triangles_only_is_an_error() {
-        let mut mesh = Mesh {
-            triangles: vec![[0, 0, 1]],
-            ..triangle()
-        };
-        assert!(
-            tidy(&mut mesh)
-                .unwrap_err()
-                .problem
-                .contains("no triangle with an area")
-        );
+        let mut mesh = Mesh { triangles: vec![[0, 0, 1]], ..triangle() };
+        assert!(tidy(&mut mesh).unwrap_err().problem.contains("no triangle with an area"));
     }
 
     #[test]
     fn bad_normals_become_those_of_the_triangles() {
-        let mut mesh = Mesh {
-            normals: vec![[f32::NAN; 3], [0.0; 3], [1.0, 0.0, 0.0]],
-            ..triangle()
-        };
+        let mut mesh = Mesh { normals: vec![[f32::NAN; 3], [0.0; 3], [1.0, 0.0, 0.0]], ..triangle() };
         assert_eq!(tidy(&mut mesh), Ok(0));
         assert_eq!(mesh.normals, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
     }
@@ -137,21 +111,8 @@ mod tests {
     fn nan_and_out_of_range_are_errors() {
         let mut mesh = triangle();
         mesh.positions[1][2] = f32::NAN;
-        assert!(
-            tidy(&mut mesh)
-                .unwrap_err()
-                .problem
-                .contains("vertex 1 is not finite")
-        );
-        let mut mesh = Mesh {
-            triangles: vec![[0, 1, 3]],
-            ..triangle()
-        };
-        assert!(
-            tidy(&mut mesh)
-                .unwrap_err()
-                .problem
-                .contains("index 3 is out of range")
-        );
+        assert!(tidy(&mut mesh).unwrap_err().problem.contains("vertex 1 is not finite"));
+        let mut mesh = Mesh { triangles: vec![[0, 1, 3]], ..triangle() };
+        assert!(tidy(&mut mesh).unwrap_err().problem.contains("index 3 is out of range"));
     }
 }

@@ -213,12 +213,8 @@ mod tests {
     use super::*;
 
     fn resolved(flags: &[&str], settings: Settings) -> Settings {
-        let arguments = ["warpfront", "render", "scene.toml", "-o", "out.exr"]
-            .iter()
-            .chain(flags);
-        let Command::Render(args) = Cli::try_parse_from(arguments).unwrap().command else {
-            panic!()
-        };
+        let arguments = ["warpfront", "render", "scene.toml", "-o", "out.exr"].iter().chain(flags);
+        let Command::Render(args) = Cli::try_parse_from(arguments).unwrap().command else { panic!() };
         let mut settings = settings;
         args.settings.apply(&mut settings);
         settings
@@ -231,42 +227,16 @@ mod tests {
 
     #[test]
     fn without_flags_the_scene_file_decides() {
-        let scene = Settings {
-            spp: 7,
-            tolerance: 0.5,
-            arc_tolerance: Some(2.0),
-            ..Settings::default()
-        };
+        let scene = Settings { spp: 7, tolerance: 0.5, arc_tolerance: Some(2.0), ..Settings::default() };
         assert_eq!(resolved(&[], scene.clone()), scene);
     }
 
     #[test]
     fn the_preset_goes_over_the_scene_file_and_flags_over_the_preset() {
-        let scene = Settings {
-            tolerance: 0.5,
-            arc_tolerance: Some(2.0),
-            ..Settings::default()
-        };
+        let scene = Settings { tolerance: 0.5, arc_tolerance: Some(2.0), ..Settings::default() };
         let preset = resolved(&["--quality", "draft"], scene.clone());
-        assert_eq!(
-            (
-                preset.tolerance,
-                preset.arc_tolerance,
-                preset.arc_tolerance_factor
-            ),
-            (1e-3, None, 4.0)
-        );
-        let flags = resolved(
-            &[
-                "--quality",
-                "draft",
-                "--tolerance",
-                "1e-4",
-                "--arc-tolerance",
-                "0.1",
-            ],
-            scene,
-        );
+        assert_eq!((preset.tolerance, preset.arc_tolerance, preset.arc_tolerance_factor), (1e-3, None, 4.0));
+        let flags = resolved(&["--quality", "draft", "--tolerance", "1e-4", "--arc-tolerance", "0.1"], scene);
         assert_eq!((flags.tolerance, flags.arc_tolerance), (1e-4, Some(0.1)));
     }
 
@@ -301,24 +271,15 @@ mod tests {
 
     #[test]
     fn a_crop_must_lie_within_the_picture() {
-        let args = RunArgs {
-            crop: Some([0, 0, 17, 12]),
-            ..RunArgs::default()
-        };
+        let args = RunArgs { crop: Some([0, 0, 17, 12]), ..RunArgs::default() };
         assert!(args.resolve(17, 12).is_ok());
         let message = args.resolve(16, 12).unwrap_err().to_string();
-        assert!(
-            message.contains("--crop 0,0,17,12") && message.contains("16x12"),
-            "{message}"
-        );
+        assert!(message.contains("--crop 0,0,17,12") && message.contains("16x12"), "{message}");
     }
 
     #[test]
     fn a_plane_asked_for_twice_is_written_once() {
-        let args = RunArgs {
-            aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth],
-            ..RunArgs::default()
-        };
+        let args = RunArgs { aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth], ..RunArgs::default() };
         assert_eq!(args.resolve(1, 1).unwrap().aovs, [Aov::Depth, Aov::Normal]);
     }
 }

@@ -15,10 +15,7 @@ pub(super) struct Failure {
 
 impl Failure {
     pub(super) fn new(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            details: Vec::new(),
-        }
+        Self { message: message.into(), details: Vec::new() }
     }
 
     /// Adds what the user can do about it.
@@ -31,10 +28,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "error: {}", self.message)?;
-        self.details
-            .iter()
-            .flat_map(|detail| detail.lines())
-            .try_for_each(|line| write!(f, "\n  {line}"))
+        self.details.iter().flat_map(|detail| detail.lines()).try_for_each(|line| write!(f, "\n  {line}"))
     }
 }
 
@@ -70,9 +64,6 @@ mod tests {
     #[test]
     fn details_are_indented_below_the_message() {
         let failure = Failure::new("no picture").help("take one\nor two");
-        assert_eq!(
-            failure.to_string(),
-            "error: no picture\n  help: take one\n  or two"
-        );
+        assert_eq!(failure.to_string(), "error: no picture\n  help: take one\n  or two");
     }
 }

@@ -48,12 +48,7 @@ struct Report<'a> {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Spacetime {
     Flat,
-    Schwarzschild {
-        center: [f64; 3],
-        schwarzschild_radius: f64,
-        horizon: f64,
-        photon_sphere: f64,
-    },
+    Schwarzschild { center: [f64; 3], schwarzschild_radius: f64, horizon: f64, photon_sphere: f64 },
 }
 
 #[derive(Serialize)]
@@ -143,10 +138,7 @@ impl Spacetime {
     fn of(kind: SpacetimeKind) -> Self {
         match kind {
             SpacetimeKind::Flat => Spacetime::Flat,
-            SpacetimeKind::Schwarzschild {
-                center,
-                schwarzschild_radius,
-            } => Spacetime::Schwarzschild {
+            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => Spacetime::Schwarzschild {
                 center: center.to_array(),
                 schwarzschild_radius,
                 horizon: schwarzschild_radius / 4.0,
@@ -159,12 +151,7 @@ impl Spacetime {
     fn text(&self) -> String {
         match self {
             Spacetime::Flat => "flat".to_owned(),
-            Spacetime::Schwarzschild {
-                center,
-                schwarzschild_radius,
-                horizon,
-                photon_sphere,
-            } => format!(
+            Spacetime::Schwarzschild { center, schwarzschild_radius, horizon, photon_sphere } => format!(
                 "Schwarzschild, r_s {schwarzschild_radius} at {}; \
                  isotropic radii: horizon {horizon:.4}, photon sphere {photon_sphere:.4}",
                 point(center)
@@ -175,24 +162,10 @@ impl Spacetime {
 
 impl Shapes {
     fn of(scene: &Baked) -> Self {
-        let Counts {
-            spheres,
-            disks,
-            triangles,
-            instanced_triangles,
-            meshes,
-            instances,
-        } = scene.geometry.counts();
+        let Counts { spheres, disks, triangles, instanced_triangles, meshes, instances } =
+            scene.geometry.counts();
         let entities = scene.entities.len();
-        Self {
-            entities,
-            spheres,
-            disks,
-            triangles,
-            instanced_triangles,
-            meshes,
-            instances,
-        }
+        Self { entities, spheres, disks, triangles, instanced_triangles, meshes, instances }
     }
 
     fn text(&self) -> String {
@@ -214,27 +187,19 @@ impl Shapes {
 
 impl Materials {
     fn of(scene: &Baked) -> Self {
-        scene
-            .materials
-            .iter()
-            .fold(Self::default(), |mut counts, material| {
-                match material.lobe {
-                    Lobe::Diffuse { .. } => counts.diffuse += 1,
-                    Lobe::Mirror { .. } => counts.mirror += 1,
-                    Lobe::Dielectric { .. } => counts.dielectric += 1,
-                }
-                counts.emitting += usize::from(material.emits());
-                counts
-            })
+        scene.materials.iter().fold(Self::default(), |mut counts, material| {
+            match material.lobe {
+                Lobe::Diffuse { .. } => counts.diffuse += 1,
+                Lobe::Mirror { .. } => counts.mirror += 1,
+                Lobe::Dielectric { .. } => counts.dielectric += 1,
+            }
+            counts.emitting += usize::from(material.emits());
+            counts
+        })
     }
 
     fn text(&self) -> String {
-        let Self {
-            diffuse,
-            mirror,
-            dielectric,
-            emitting,
-        } = self;
+        let Self { diffuse, mirror, dielectric, emitting } = self;
         format!("{diffuse} diffuse, {mirror} mirror, {dielectric} dielectric; {emitting} of them emit")
     }
 }
@@ -242,10 +207,7 @@ impl Materials {
 impl View {
     fn text(&self) -> String {
         let (position, forward) = (point(&self.position), point(&self.forward));
-        format!(
-            "at {position} along {forward}, vertical field of view {:.4}°",
-            self.vertical_fov
-        )
+        format!("at {position} along {forward}, vertical field of view {:.4}°", self.vertical_fov)
     }
 }
 
@@ -259,10 +221,7 @@ impl Memory {
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             environment: environment as u64,
-            film: memory::film_bytes(
-                (settings.width as u64).saturating_mul(settings.height as u64),
-                &[],
-            ),
+            film: memory::film_bytes((settings.width as u64).saturating_mul(settings.height as u64), &[]),
         }
     }
 
@@ -276,11 +235,7 @@ fn environment(environment: &Environment) -> String {
     match environment {
         Environment::Black => "black".to_owned(),
         Environment::Constant(radiance) => format!("constant {radiance}"),
-        Environment::Gradient {
-            ground,
-            horizon,
-            zenith,
-        } => {
+        Environment::Gradient { ground, horizon, zenith } => {
             format!("gradient: ground {ground}, horizon {horizon}, zenith {zenith}")
         }
         Environment::Image(image) => format!("image of {}x{} pixels", image.width, image.height),
@@ -288,22 +243,13 @@ fn environment(environment: &Environment) -> String {
 }
 
 fn film(settings: &Settings) -> String {
-    let Settings {
-        width, height, spp, ..
-    } = settings;
+    let Settings { width, height, spp, .. } = settings;
     let (filter, sampler) = (flag_name(settings.filter), flag_name(settings.sampler));
-    format!(
-        "{width}x{height}, {spp} spp, {filter} filter, {sampler} sampler, seed {}",
-        settings.seed
-    )
+    format!("{width}x{height}, {spp} spp, {filter} filter, {sampler} sampler, seed {}", settings.seed)
 }
 
 fn paths(settings: &Settings) -> String {
-    let Settings {
-        max_depth,
-        roulette_depth,
-        ..
-    } = settings;
+    let Settings { max_depth, roulette_depth, .. } = settings;
     let schedule = flag_name(settings.schedule);
     format!("up to {max_depth} segments, roulette after {roulette_depth}, {schedule} schedule")
 }
@@ -323,10 +269,7 @@ mod tests {
 
     #[test]
     fn the_text_tells_spacetime_view_film_stages_and_warnings() {
-        let hole = SpacetimeKind::Schwarzschild {
-            center: DVec3::ZERO,
-            schwarzschild_radius: 4.0,
-        };
+        let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 4.0 };
         let mut scene = empty_scene(hole);
         scene.warnings.push("`fog` is not understood".to_owned());
         let text = Report::of("a.toml".to_owned(), &scene).text();

@@ -22,9 +22,7 @@ impl Interrupt {
         let interrupt = Self::default();
         let handler = interrupt.clone();
         if let Err(error) = ctrlc::set_handler(move || handler.interrupted()) {
-            say(format!(
-                "warning: Ctrl-C will end the render without keeping the picture: {error}"
-            ));
+            say(format!("warning: Ctrl-C will end the render without keeping the picture: {error}"));
         }
         interrupt
     }

@@ -26,11 +26,8 @@ fn available() -> Option<u64> {
 
 /// Refuses a film that would not fit.
 pub(super) fn check(settings: &Settings, run: &Run) -> Result<(), Failure> {
-    let (width, height) = run
-        .crop
-        .map_or((settings.width, settings.height), |[x0, y0, x1, y1]| {
-            (x1 - x0, y1 - y0)
-        });
+    let (width, height) =
+        run.crop.map_or((settings.width, settings.height), |[x0, y0, x1, y1]| (x1 - x0, y1 - y0));
     let needed = film_bytes((width as u64).saturating_mul(height as u64), &run.aovs);
     match available() {
         Some(free) if needed > free => Err(Failure::new(format!(
@@ -56,20 +53,10 @@ mod tests {
 
     #[test]
     fn a_film_beyond_all_memory_is_refused_and_its_crop_is_not() {
-        let settings = Settings {
-            width: 1 << 31,
-            height: 1 << 31,
-            ..Settings::default()
-        };
+        let settings = Settings { width: 1 << 31, height: 1 << 31, ..Settings::default() };
         let message = check(&settings, &Run::default()).unwrap_err().to_string();
-        assert!(
-            message.contains("2147483648x2147483648") && message.contains("--size"),
-            "{message}"
-        );
-        let crop = Run {
-            crop: Some([5, 5, 10, 10]),
-            ..Run::default()
-        };
+        assert!(message.contains("2147483648x2147483648") && message.contains("--size"), "{message}");
+        let crop = Run { crop: Some([5, 5, 10, 10]), ..Run::default() };
         assert!(check(&settings, &crop).is_ok());
     }
 }

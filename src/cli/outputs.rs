@@ -45,11 +45,8 @@ impl Outputs {
     /// Their paths, as the user named them.
     pub(super) fn names(&self) -> String {
         let all = [Some(&self.exr), self.png.as_ref(), self.stats.as_ref()];
-        let names: Vec<String> = all
-            .iter()
-            .flatten()
-            .map(|output| output.path().display().to_string())
-            .collect();
+        let names: Vec<String> =
+            all.iter().flatten().map(|output| output.path().display().to_string()).collect();
         names.join(", ")
     }
 

@@ -13,10 +13,7 @@ const MAX_SIDE: u64 = 65_536;
 /// A whole number in `range`.
 fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
     let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
-    text.parse()
-        .ok()
-        .filter(|number| range.contains(number))
-        .ok_or_else(remedy)
+    text.parse().ok().filter(|number| range.contains(number)).ok_or_else(remedy)
 }
 
 /// A count that fits in 32 bits, at least 1.
@@ -64,11 +61,7 @@ pub(super) fn exposure(text: &str) -> Result<f64, String> {
 
 /// `WxH` in pixels.
 pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
-    let side = |side: &str| {
-        whole(side.trim(), 1..=MAX_SIDE)
-            .ok()
-            .map(|pixels| pixels as usize)
-    };
+    let side = |side: &str| whole(side.trim(), 1..=MAX_SIDE).ok().map(|pixels| pixels as usize);
     text.split_once(['x', 'X', '×'])
         .and_then(|(width, height)| Some((side(width)?, side(height)?)))
         .ok_or_else(|| format!("give WIDTHxHEIGHT in pixels, such as 640x480, each from 1 to {MAX_SIDE}"))
@@ -158,38 +151,16 @@ mod tests {
 
     #[test]
     fn bad_values_are_refused() {
+        assert!(["0x4", "4x0", "4", "x", "-4x4", "99999999x1", "4x4x4", ""].iter().all(|s| size(s).is_err()));
+        assert!(["0,0,0,5", "5,0,4,9", "1,2,3", "1,2,3,4,5", "-1,0,4,4"].iter().all(|s| crop(s).is_err()));
         assert!(
-            ["0x4", "4x0", "4", "x", "-4x4", "99999999x1", "4x4x4", ""]
-                .iter()
-                .all(|s| size(s).is_err())
+            ["0,0,0,0", "0,0,0,-1", "0,0,0", "nan,0,0,1", "0,0,inf,1"].iter().all(|s| black_hole(s).is_err())
         );
-        assert!(
-            ["0,0,0,5", "5,0,4,9", "1,2,3", "1,2,3,4,5", "-1,0,4,4"]
-                .iter()
-                .all(|s| crop(s).is_err())
-        );
-        assert!(
-            ["0,0,0,0", "0,0,0,-1", "0,0,0", "nan,0,0,1", "0,0,inf,1"]
-                .iter()
-                .all(|s| black_hole(s).is_err())
-        );
-        assert!(
-            ["0s", "90", "-5s", "soon", ""]
-                .iter()
-                .all(|s| duration(s).is_err())
-        );
-        assert!(
-            ["0", "-1e-3", "nan", "inf", "x"]
-                .iter()
-                .all(|s| positive(s).is_err())
-        );
+        assert!(["0s", "90", "-5s", "soon", ""].iter().all(|s| duration(s).is_err()));
+        assert!(["0", "-1e-3", "nan", "inf", "x"].iter().all(|s| positive(s).is_err()));
         assert!(["0", "-1", "4294967296", "1.5"].iter().all(|s| count(s).is_err()));
         assert!(["nan", "1e9", "-61"].iter().all(|s| exposure(s).is_err()));
-        assert!(
-            ["out", "out.png", ".exr", "out.exr/", ""]
-                .iter()
-                .all(|s| exr(OsStr::new(s)).is_err())
-        );
+        assert!(["out", "out.png", ".exr", "out.exr/", ""].iter().all(|s| exr(OsStr::new(s)).is_err()));
         assert!(["", "key", "=1"].iter().all(|s| assignment(s).is_err()));
     }
 }

@@ -32,9 +32,5 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     outputs.write(&rendered, &scene.settings, &args.scene.path)?;
     say(format!("{}; wrote {names}", summary::line(&rendered, asked_spp)));
     let complete = losses.is_empty() && scene.warnings.is_empty();
-    Ok(if args.strict && !complete {
-        Outcome::Lost
-    } else {
-        Outcome::Good
-    })
+    Ok(if args.strict && !complete { Outcome::Lost } else { Outcome::Good })
 }

@@ -28,35 +28,21 @@ pub(super) fn of(scene: &Baked) -> Vec<Stage> {
 }
 
 fn stage(name: &'static str, runs: bool, why: impl Into<String>) -> Stage {
-    Stage {
-        name,
-        runs,
-        why: why.into(),
-    }
+    Stage { name, runs, why: why.into() }
 }
 
 /// The name under which a setting is given on the command line.
 pub(super) fn flag_name(value: impl clap::ValueEnum) -> String {
-    value
-        .to_possible_value()
-        .map_or_else(String::new, |value| value.get_name().to_owned())
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 fn advance(scene: &Baked) -> Stage {
     match scene.spacetime {
-        SpacetimeKind::Flat => stage(
-            "advance",
-            false,
-            "flat: straight rays, one query per ray; no marching",
-        ),
+        SpacetimeKind::Flat => stage("advance", false, "flat: straight rays, one query per ray; no marching"),
         SpacetimeKind::Schwarzschild { .. } => {
             let settings = &scene.settings;
             let stepper = flag_name(settings.stepper);
-            stage(
-                "advance",
-                true,
-                format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance),
-            )
+            stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
         }
     }
 }
@@ -90,11 +76,7 @@ fn capture(scene: &Baked) -> Stage {
 
 fn escape(scene: &Baked) -> Stage {
     if scene.environment.is_black() {
-        stage(
-            "escape",
-            false,
-            "black environment: rays that leave bring no light",
-        )
+        stage("escape", false, "black environment: rays that leave bring no light")
     } else {
         stage("escape", true, "rays that leave bring the environment's light")
     }
@@ -103,21 +85,13 @@ fn escape(scene: &Baked) -> Stage {
 fn emit(scene: &Baked) -> Stage {
     match scene.materials.iter().filter(|material| material.emits()).count() {
         0 => stage("emit", false, "no material emits"),
-        emitting => stage(
-            "emit",
-            true,
-            format!("{} emit light", plural(emitting, "material", "materials")),
-        ),
+        emitting => stage("emit", true, format!("{} emit light", plural(emitting, "material", "materials"))),
     }
 }
 
 fn scatter(scene: &Baked) -> Stage {
     match scene.settings.max_depth {
-        0 | 1 => stage(
-            "scatter",
-            false,
-            "max depth 1: only what the camera sees directly",
-        ),
+        0 | 1 => stage("scatter", false, "max depth 1: only what the camera sees directly"),
         depth => stage("scatter", true, format!("paths of up to {depth} segments")),
     }
 }
@@ -172,15 +146,9 @@ pub(super) mod tests {
 
     #[test]
     fn a_hole_marches_and_captures() {
-        let hole = SpacetimeKind::Schwarzschild {
-            center: DVec3::ZERO,
-            schwarzschild_radius: 1.0,
-        };
+        let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 };
         let scene = empty_scene(hole);
-        assert_eq!(
-            find(&scene, "advance").why,
-            "curved: rkn4 steps of tolerance 1e-5"
-        );
+        assert_eq!(find(&scene, "advance").why, "curved: rkn4 steps of tolerance 1e-5");
         assert!(find(&scene, "capture").runs);
     }
 

@@ -10,11 +10,7 @@ pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
     if image.size != (image.width, image.height) {
         parts.push(format!("cropped from {}x{}", image.width, image.height));
     }
-    parts.push(if *spp < asked_spp {
-        format!("{spp} of {asked_spp} spp")
-    } else {
-        format!("{spp} spp")
-    });
+    parts.push(if *spp < asked_spp { format!("{spp} of {asked_spp} spp") } else { format!("{spp} spp") });
     parts.push(format!("{:.2} s", stats.seconds));
     if stats.seconds > 0.0 {
         let rates = [
@@ -30,28 +26,14 @@ pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
 
 /// What the picture lacks of what was asked for, one line each.
 pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> Vec<String> {
-    let Fates {
-        step_limit,
-        non_finite,
-        ..
-    } = rendered.stats.counters.fates;
+    let Fates { step_limit, non_finite, .. } = rendered.stats.counters.fates;
     let mut losses = Vec::new();
     if interrupted {
-        let left = if rendered.spp == 0 {
-            "; some pixels may be black"
-        } else {
-            ""
-        };
-        losses.push(format!(
-            "interrupted: every pixel holds {} of {asked_spp} samples{left}",
-            rendered.spp
-        ));
+        let left = if rendered.spp == 0 { "; some pixels may be black" } else { "" };
+        losses.push(format!("interrupted: every pixel holds {} of {asked_spp} samples{left}", rendered.spp));
     }
     if step_limit > 0 {
-        losses.push(format!(
-            "{} lost at the step limit",
-            rays(step_limit, rendered.stats.counters.rays)
-        ));
+        losses.push(format!("{} lost at the step limit", rays(step_limit, rendered.stats.counters.rays)));
     }
     if non_finite > 0 {
         losses.push(format!(
@@ -64,10 +46,7 @@ pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> 
 
 fn rays(count: u64, all: u64) -> String {
     let noun = if count == 1 { "ray" } else { "rays" };
-    format!(
-        "{count} {noun} of {all} ({:.2e} %)",
-        100.0 * count as f64 / all.max(count) as f64
-    )
+    format!("{count} {noun} of {all} ({:.2e} %)", 100.0 * count as f64 / all.max(count) as f64)
 }
 
 #[cfg(test)]
@@ -85,13 +64,7 @@ mod tests {
             planes: Vec::new(),
             attributes: Vec::new(),
         };
-        let stats = Stats {
-            seconds: 2.0,
-            paths: 3_000_000,
-            rays: 8_000_000,
-            fates,
-            ..Stats::default()
-        };
+        let stats = Stats { seconds: 2.0, paths: 3_000_000, rays: 8_000_000, fates, ..Stats::default() };
         Rendered { image, spp: 8, stats }
     }
 
@@ -100,30 +73,18 @@ mod tests {
         let picture = rendered(Fates::default());
         assert!(line(&picture, 64).contains("8 of 64 spp"));
         let line = line(&picture, 8);
-        assert_eq!(
-            line,
-            "4x4, cropped from 16x12, 8 spp, 2.00 s, 1.50 M paths/s, 4.00 M rays/s"
-        );
+        assert_eq!(line, "4x4, cropped from 16x12, 8 spp, 2.00 s, 1.50 M paths/s, 4.00 M rays/s");
     }
 
     #[test]
     fn a_complete_picture_has_no_losses() {
-        let fates = Fates {
-            hit: 5,
-            escaped: 5,
-            captured: 5,
-            ..Fates::default()
-        };
+        let fates = Fates { hit: 5, escaped: 5, captured: 5, ..Fates::default() };
         assert!(losses(&rendered(fates), 8, false).is_empty());
     }
 
     #[test]
     fn lost_rays_and_an_interruption_are_named_with_counts() {
-        let fates = Fates {
-            step_limit: 1,
-            non_finite: 80,
-            ..Fates::default()
-        };
+        let fates = Fates { step_limit: 1, non_finite: 80, ..Fates::default() };
         let losses = losses(&rendered(fates), 64, true);
         assert_eq!(losses[0], "interrupted: every pixel holds 8 of 64 samples");
         assert_eq!(losses[1], "1 ray of 8000000 (1.25e-5 %) lost at the step limit");

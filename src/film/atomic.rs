@@ -65,19 +65,13 @@ impl Output {
         };
         match fs::metadata(path) {
             Ok(there) if there.is_dir() => {
-                return Err(refused(
-                    "it is a folder",
-                    "name a file, for instance one inside that folder",
-                ));
+                return Err(refused("it is a folder", "name a file, for instance one inside that folder"));
             }
             Ok(there) if !there.is_file() => {
                 return Err(refused("it is not an ordinary file", "name an ordinary file"));
             }
             Ok(there) if there.permissions().readonly() => {
-                return Err(refused(
-                    "it is write-protected",
-                    "make it writable or name another file",
-                ));
+                return Err(refused("it is write-protected", "make it writable or name another file"));
             }
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(explain(path, &error)),
             _ => {}
@@ -86,11 +80,7 @@ impl Output {
         let mut unfinished = unfinished();
         let temporary = temporary_beside(&target).map_err(|error| explain(path, &error))?;
         unfinished.insert(temporary.path().to_owned());
-        Ok(Self {
-            path: path.to_owned(),
-            target,
-            temporary: Some(temporary),
-        })
+        Ok(Self { path: path.to_owned(), target, temporary: Some(temporary) })
     }
 
     /// The file, as the caller named it.
@@ -115,12 +105,8 @@ impl Output {
         // What could not be flushed is lost anyway; dropping the buffer would try again.
         let _ = buffer.into_parts();
         let mut unfinished = unfinished();
-        let persisted = written.and_then(|()| {
-            temporary
-                .persist(&self.target)
-                .map(drop)
-                .map_err(|error| error.error)
-        });
+        let persisted =
+            written.and_then(|()| temporary.persist(&self.target).map(drop).map_err(|error| error.error));
         unfinished.remove(&name);
         persisted.map_err(|error| explain(&self.path, &error))
     }
@@ -163,37 +149,27 @@ fn folder_of(path: &Path) -> &Path {
 fn explain(path: &Path, error: &io::Error) -> OutputError {
     let folder = folder_of(path).display();
     let (cause, remedy) = match error.kind() {
-        ErrorKind::NotFound => (
-            format!("the folder `{folder}` does not exist"),
-            "create the folder or name another".to_owned(),
-        ),
-        ErrorKind::NotADirectory => (
-            format!("`{folder}` is not a folder"),
-            "name a file in an existing folder".to_owned(),
-        ),
+        ErrorKind::NotFound => {
+            (format!("the folder `{folder}` does not exist"), "create the folder or name another".to_owned())
+        }
+        ErrorKind::NotADirectory => {
+            (format!("`{folder}` is not a folder"), "name a file in an existing folder".to_owned())
+        }
         ErrorKind::PermissionDenied => (
             format!("no permission to create files in `{folder}`"),
             "change the folder's permissions or name another folder".to_owned(),
         ),
-        ErrorKind::ReadOnlyFilesystem => (
-            format!("`{folder}` is on a read-only file system"),
-            "name another folder".to_owned(),
-        ),
+        ErrorKind::ReadOnlyFilesystem => {
+            (format!("`{folder}` is on a read-only file system"), "name another folder".to_owned())
+        }
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => (
             format!("the disk that holds `{folder}` is full"),
             "free some space or name another folder".to_owned(),
         ),
-        ErrorKind::InvalidFilename => (
-            "the name is too long".to_owned(),
-            "give a shorter name".to_owned(),
-        ),
+        ErrorKind::InvalidFilename => ("the name is too long".to_owned(), "give a shorter name".to_owned()),
         _ => (error.to_string(), "name another file or folder".to_owned()),
     };
-    OutputError {
-        path: path.to_owned(),
-        cause,
-        remedy,
-    }
+    OutputError { path: path.to_owned(), cause, remedy }
 }
 
 #[cfg(test)]
@@ -231,10 +207,7 @@ mod tests {
             Err(ErrorKind::StorageFull.into())
         });
         let message = failed.unwrap_err().to_string();
-        assert!(
-            message.contains("out.txt") && message.contains("full"),
-            "{message}"
-        );
+        assert!(message.contains("out.txt") && message.contains("full"), "{message}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["out.txt"]);
     }
@@ -294,13 +267,7 @@ mod tests {
         let mut permissions = fs::metadata(&path).unwrap().permissions();
         permissions.set_readonly(true);
         fs::set_permissions(&path, permissions).unwrap();
-        assert!(
-            Output::create(&path)
-                .err()
-                .unwrap()
-                .to_string()
-                .contains("write-protected")
-        );
+        assert!(Output::create(&path).err().unwrap().to_string().contains("write-protected"));
     }
 
     #[cfg(unix)]
@@ -310,10 +277,7 @@ mod tests {
         let (target, link) = (folder.path().join("target"), folder.path().join("link"));
         fs::write(&target, "old").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();
-        Output::create(&link)
-            .unwrap()
-            .commit(|out| out.write_all(b"new"))
-            .unwrap();
+        Output::create(&link).unwrap().commit(|out| out.write_all(b"new")).unwrap();
         assert!(link.is_symlink());
         assert_eq!(fs::read_to_string(&target).unwrap(), "new");
     }

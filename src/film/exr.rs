@@ -28,56 +28,38 @@ pub(super) const ATTRIBUTE_PREFIX: &str = "warpfront.";
 /// name does not fit the format.
 pub fn write_exr(image: &Image, out: impl Write + Seek) -> io::Result<()> {
     if !image.is_consistent() {
-        return Err(io::Error::new(
-            io::ErrorKind::InvalidData,
-            "the planes do not fill the data window",
-        ));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "the planes do not fill the data window"));
     }
-    let channels = image
-        .planes
-        .iter()
-        .map(|plane| channel(plane, image.size.0))
-        .collect();
+    let channels = image.planes.iter().map(|plane| channel(plane, image.size.0)).collect();
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let layer = Layer::new(
-        image.size,
-        layer_attributes(image),
-        encoding,
-        AnyChannels::sort(channels),
-    );
+    let layer = Layer::new(image.size, layer_attributes(image), encoding, AnyChannels::sort(channels));
     let display_window = IntegerBounds::from_dimensions((image.width, image.height));
-    File::new(ImageAttributes::new(display_window), layer)
-        .write()
-        .to_buffered(out)
-        .map_err(|error| match error {
+    File::new(ImageAttributes::new(display_window), layer).write().to_buffered(out).map_err(|error| {
+        match error {
             Error::Io(error) => error,
             other => io::Error::new(io::ErrorKind::InvalidData, other.to_string()),
-        })
+        }
+    })
 }
 
 fn channel(plane: &Plane, width: usize) -> AnyChannel<Rows<'_>> {
     AnyChannel {
         name: text(&plane.name),
-        sample_data: Rows {
-            width,
-            values: &plane.values,
-        },
+        sample_data: Rows { width, values: &plane.values },
         quantize_linearly: false,
         sampling: Vec2(1, 1),
     }
 }
 
 fn layer_attributes(image: &Image) -> LayerAttributes {
-    let own = image.attributes.iter().map(|(name, value)| {
-        (
-            text(&format!("{ATTRIBUTE_PREFIX}{name}")),
-            AttributeValue::Text(text(value)),
-        )
-    });
+    let own = image
+        .attributes
+        .iter()
+        .map(|(name, value)| (text(&format!("{ATTRIBUTE_PREFIX}{name}")), AttributeValue::Text(text(value))));
     LayerAttributes {
         layer_position: Vec2(image.origin.0 as i32, image.origin.1 as i32),
         software_name: Some(text(concat!("Warpfront ", env!("CARGO_PKG_VERSION")))),

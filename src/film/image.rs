@@ -71,10 +71,7 @@ pub struct Image {
 impl Image {
     /// The values of the plane called `name`, row-major over the data window.
     pub fn plane(&self, name: &str) -> Option<&[f32]> {
-        self.planes
-            .iter()
-            .find(|plane| plane.name == name)
-            .map(|plane| plane.values.as_slice())
+        self.planes.iter().find(|plane| plane.name == name).map(|plane| plane.values.as_slice())
     }
 
     /// Whether the data window is a part of the picture and every plane fills it.
@@ -82,10 +79,7 @@ impl Image {
         let fits = |start: usize, size: usize, whole: usize| size > 0 && start + size <= whole;
         fits(self.origin.0, self.size.0, self.width)
             && fits(self.origin.1, self.size.1, self.height)
-            && self
-                .planes
-                .iter()
-                .all(|plane| plane.values.len() == self.size.0 * self.size.1)
+            && self.planes.iter().all(|plane| plane.values.len() == self.size.0 * self.size.1)
     }
 }
 

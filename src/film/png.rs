@@ -33,12 +33,12 @@ pub fn write_png(image: &Image, exposure: f64, out: impl Write) -> io::Result<()
         .zip(blue)
         .flat_map(|((&r, &g), &b)| to_srgb8(Vec3::new(r, g, b), gain))
         .collect();
-    PngEncoder::new(out)
-        .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-        .map_err(|error| match error {
+    PngEncoder::new(out).write_image(&pixels, width, height, ExtendedColorType::Rgb8).map_err(|error| {
+        match error {
             ImageError::IoError(error) => error,
             other => io::Error::other(other),
-        })
+        }
+    })
 }
 
 #[cfg(test)]
@@ -52,12 +52,7 @@ mod tests {
             height: 9,
             origin: (3, 4),
             size: (2, 1),
-            planes: BEAUTY
-                .map(|name| Plane {
-                    name: name.to_owned(),
-                    values: values.to_vec(),
-                })
-                .to_vec(),
+            planes: BEAUTY.map(|name| Plane { name: name.to_owned(), values: values.to_vec() }).to_vec(),
             attributes: Vec::new(),
         }
     }
@@ -80,10 +75,7 @@ mod tests {
 
     #[test]
     fn a_stop_doubles() {
-        assert_eq!(
-            decoded([0.1, 0.2], 1.0).get_pixel(0, 0),
-            decoded([0.1, 0.2], 0.0).get_pixel(1, 0)
-        );
+        assert_eq!(decoded([0.1, 0.2], 1.0).get_pixel(0, 0), decoded([0.1, 0.2], 0.0).get_pixel(1, 0));
     }
 
     #[test]

@@ -44,15 +44,10 @@ pub fn read_exr(path: &Path) -> Result<Image, ReadError> {
         .first_valid_layer()
         .all_attributes()
         .from_file(path)
-        .map_err(|source| ReadError::File {
-            path: path.to_owned(),
-            source,
-        })?;
+        .map_err(|source| ReadError::File { path: path.to_owned(), source })?;
     let window = file.attributes.display_window;
     let layer = file.layer_data;
-    let origin = origin_within(&layer, window).ok_or_else(|| ReadError::Window {
-        path: path.to_owned(),
-    })?;
+    let origin = origin_within(&layer, window).ok_or_else(|| ReadError::Window { path: path.to_owned() })?;
     Ok(Image {
         width: window.size.width(),
         height: window.size.height(),
@@ -86,12 +81,7 @@ fn planes(channels: AnyChannels<FlatSamples>) -> Vec<Plane> {
         .collect();
     let aovs = Aov::value_variants().iter().flat_map(|aov| aov.channels());
     let order: Vec<&str> = BEAUTY.iter().chain(aovs).copied().collect();
-    planes.sort_by_key(|plane| {
-        order
-            .iter()
-            .position(|name| *name == plane.name)
-            .unwrap_or(order.len())
-    });
+    planes.sort_by_key(|plane| order.iter().position(|name| *name == plane.name).unwrap_or(order.len()));
     planes
 }
 
@@ -104,13 +94,8 @@ fn attributes(layer: &Layer<AnyChannels<FlatSamples>>) -> Vec<(String, String)> 
             let AttributeValue::Text(value) = value else {
                 return None;
             };
-            let name = std::str::from_utf8(name.as_slice())
-                .ok()?
-                .strip_prefix(ATTRIBUTE_PREFIX)?;
-            Some((
-                name.to_owned(),
-                String::from_utf8_lossy(value.as_slice()).into_owned(),
-            ))
+            let name = std::str::from_utf8(name.as_slice()).ok()?.strip_prefix(ATTRIBUTE_PREFIX)?;
+            Some((name.to_owned(), String::from_utf8_lossy(value.as_slice()).into_owned()))
         })
         .collect();
     own.sort();
@@ -144,10 +129,7 @@ mod tests {
         let plane = |(i, name): (usize, &&str)| {
             let mut values = AWKWARD.to_vec();
             values.rotate_left(i % AWKWARD.len());
-            Plane {
-                name: name.to_string(),
-                values,
-            }
+            Plane { name: name.to_string(), values }
         };
         Image {
             width: picture.0,
@@ -169,11 +151,7 @@ mod tests {
     }
 
     fn bits(image: &Image) -> Vec<Vec<u32>> {
-        image
-            .planes
-            .iter()
-            .map(|plane| plane.values.iter().map(|v| v.to_bits()).collect())
-            .collect()
+        image.planes.iter().map(|plane| plane.values.iter().map(|v| v.to_bits()).collect()).collect()
     }
 
     #[test]

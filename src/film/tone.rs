@@ -11,12 +11,8 @@ const BRIGHTEST: f32 = 1e9;
 
 /// 8-bit sRGB of a linear radiance, `gain` (a factor) applied first; what is not a number or is negative is black.
 pub(super) fn to_srgb8(radiance: Vec3, gain: f32) -> [u8; 3] {
-    let exposed = (radiance * gain)
-        .to_array()
-        .map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
-    neutral(Vec3::from(exposed))
-        .to_array()
-        .map(|c| (srgb(c) * 255.0).round() as u8)
+    let exposed = (radiance * gain).to_array().map(|c| if c > 0.0 { c.min(BRIGHTEST) } else { 0.0 });
+    neutral(Vec3::from(exposed)).to_array().map(|c| (srgb(c) * 255.0).round() as u8)
 }
 
 /// The Khronos PBR Neutral tone mapper, less its toe (which takes off the 4 % Fresnel reflection of product shots and
@@ -38,11 +34,7 @@ fn neutral(color: Vec3) -> Vec3 {
 
 /// The sRGB transfer function (IEC 61966-2-1).
 fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]
@@ -73,10 +65,7 @@ mod tests {
 
     #[test]
     fn values_that_are_no_colours_are_safe() {
-        assert_eq!(
-            to_srgb8(Vec3::new(f32::NAN, -1.0, f32::NEG_INFINITY), 1.0),
-            [0, 0, 0]
-        );
+        assert_eq!(to_srgb8(Vec3::new(f32::NAN, -1.0, f32::NEG_INFINITY), 1.0), [0, 0, 0]);
         assert_eq!(to_srgb8(Vec3::splat(f32::INFINITY), 1.0), [255, 255, 255]);
         assert_eq!(to_srgb8(Vec3::ZERO, f32::INFINITY), [0, 0, 0]);
     }

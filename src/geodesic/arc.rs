@@ -41,7 +41,8 @@ impl Arc {
         let chord = self.p2 - self.p0;
         let off = self.p1 - self.p0;
         let length2 = chord.length_squared();
-        let height2 = if length2 > 0.0 { off.cross(chord).length_squared() / length2 } else { off.length_squared() };
+        let height2 =
+            if length2 > 0.0 { off.cross(chord).length_squared() / length2 } else { off.length_squared() };
         self.w / (1.0 + self.w) * height2.sqrt()
     }
 
@@ -75,7 +76,8 @@ pub fn fit_arc(step: &Step) -> (Arc, f64) {
     let to_end = (a1 - c * a0) / (turn * turn);
     let (k0, k1) = (t0.cross(f0).length() / (n0 * n0), t1.cross(f1).length() / (n1 * n1));
     // Curvature of the conic at either end is turn × far leg / (2 w² near leg²) [F, 12.6].
-    let (w0, w1) = (turn * to_end / (2.0 * k0 * to_start * to_start), turn * to_start / (2.0 * k1 * to_end * to_end));
+    let (w0, w1) =
+        (turn * to_end / (2.0 * k0 * to_start * to_start), turn * to_start / (2.0 * k1 * to_end * to_end));
     let w2 = (w0 * w1).sqrt();
     let bent = turn > SMALL_TURN;
     let meets = c > 0.0 && to_start > 0.0 && to_end > 0.0 && w2.is_finite() && w2 > 0.0;

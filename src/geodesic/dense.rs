@@ -84,7 +84,8 @@ mod tests {
         let first = |s: f64| (1..6).map(|k| k as f64 * c[k] * s.powi(k as i32 - 1)).sum::<f64>();
         let second = |s: f64| (2..6).map(|k| (k * (k - 1)) as f64 * c[k] * s.powi(k as i32 - 2)).sum::<f64>();
         let h = 0.8;
-        let end = |s: f64| [DVec3::splat(value(s)), DVec3::splat(first(s) / h), DVec3::splat(second(s) / h / h)];
+        let end =
+            |s: f64| [DVec3::splat(value(s)), DVec3::splat(first(s) / h), DVec3::splat(second(s) / h / h)];
         let dense = Dense::new(&Step { start: end(0.0), end: end(1.0), h, momentum_error: DVec3::ZERO });
         for i in 0..=10 {
             let s = i as f64 / 10.0;

@@ -121,10 +121,7 @@ fn outwards(min: DVec3, max: DVec3) -> Aabb {
         let narrow = v as f32;
         if f64::from(narrow) < v { narrow.next_up() } else { narrow }
     };
-    Aabb::new(
-        Vec3A::new(down(min.x), down(min.y), down(min.z)),
-        Vec3A::new(up(max.x), up(max.y), up(max.z)),
-    )
+    Aabb::new(Vec3A::new(down(min.x), down(min.y), down(min.z)), Vec3A::new(up(max.x), up(max.y), up(max.z)))
 }
 
 /// A chord in f32 with room for its sagitta and for the rounding of its start.

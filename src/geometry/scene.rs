@@ -132,8 +132,11 @@ impl Geometry {
         let mut uses = vec![0usize; meshes.len()];
         instances.iter().for_each(|(instance, _)| uses[instance.mesh as usize] += 1);
 
-        let shared: Vec<Option<SharedMesh>> =
-            meshes.par_iter().zip(&uses).map(|(mesh, &uses)| (uses > 1).then(|| SharedMesh::build(mesh))).collect();
+        let shared: Vec<Option<SharedMesh>> = meshes
+            .par_iter()
+            .zip(&uses)
+            .map(|(mesh, &uses)| (uses > 1).then(|| SharedMesh::build(mesh)))
+            .collect();
         let mut items: Vec<Item> = (0..spheres.len() as u32).map(Item::Sphere).collect();
         items.extend((0..disks.len() as u32).map(Item::Disk));
         let (mut triangles, mut sources) = (Vec::new(), Vec::new());
@@ -150,7 +153,8 @@ impl Geometry {
         }
         items.extend((0..triangles.len() as u32).map(Item::Triangle));
         meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
-        let placed: Vec<Placed> = instances.iter().map(|(i, surface)| Placed::new(i, &to_local(i), *surface)).collect();
+        let placed: Vec<Placed> =
+            instances.iter().map(|(i, surface)| Placed::new(i, &to_local(i), *surface)).collect();
 
         let mut geometry = Self {
             origin,
@@ -204,7 +208,8 @@ impl Geometry {
             }
             Item::Disk(i) => {
                 let disk = &self.disks[i as usize].0;
-                let half = disk.outer * (DVec3::ONE - disk.normal * disk.normal).max(DVec3::ZERO).map(f64::sqrt);
+                let half =
+                    disk.outer * (DVec3::ONE - disk.normal * disk.normal).max(DVec3::ZERO).map(f64::sqrt);
                 (disk.center - half, disk.center + half)
             }
             Item::Triangle(i) => self.triangles[i as usize].bounds(),
@@ -256,7 +261,9 @@ impl Geometry {
             let item = slot as u32;
             let own = |triangle: u32| leaves == PrimitiveId { item, triangle };
             let found = match self.items[slot] {
-                Item::Triangle(i) => segment.cross_triangle(&self.triangles[i as usize], own(0)).map(|s| (s, 0)),
+                Item::Triangle(i) => {
+                    segment.cross_triangle(&self.triangles[i as usize], own(0)).map(|s| (s, 0))
+                }
                 Item::Sphere(i) => segment.cross_sphere(&self.spheres[i as usize].0, own(0)).map(|s| (s, 0)),
                 Item::Disk(i) => segment.cross_disk(&self.disks[i as usize].0, own(0)).map(|s| (s, 0)),
                 Item::Instance(i) => {
@@ -275,7 +282,12 @@ impl Geometry {
     }
 
     /// The first triangle of a placed mesh that `segment` (world, relative to the origin) meets, by parameter and slot.
-    fn intersect_instance<S: Segment>(&self, placed: &Placed, segment: &S, leaves: Option<u32>) -> Option<(f64, u32)> {
+    fn intersect_instance<S: Segment>(
+        &self,
+        placed: &Placed,
+        segment: &S,
+        leaves: Option<u32>,
+    ) -> Option<(f64, u32)> {
         let shared = self.shared[placed.mesh as usize].as_ref()?;
         let segment = segment.transformed(&placed.to_object);
         let chord = segment.chord();
@@ -285,7 +297,8 @@ impl Geometry {
             let own = leaves == Some(slot as u32);
             let Some(s) = segment.cross_triangle(&shared.triangles[slot], own) else { return f64::INFINITY };
             let original = |slot: u32| shared.order[slot as usize];
-            let earlier = nearest.is_none_or(|(best, at)| s < best || (s == best && original(slot as u32) < original(at)));
+            let earlier = nearest
+                .is_none_or(|(best, at)| s < best || (s == best && original(slot as u32) < original(at)));
             if earlier {
                 nearest = Some((s, slot as u32));
             }
@@ -309,7 +322,9 @@ impl Geometry {
             let id = |triangle: usize| PrimitiveId { item: slot as u32, triangle: triangle as u32 };
             let own = |triangle: usize| leaves == id(triangle);
             match *item {
-                Item::Triangle(i) => consider(segment.cross_triangle(&self.triangles[i as usize], own(0)), id(0)),
+                Item::Triangle(i) => {
+                    consider(segment.cross_triangle(&self.triangles[i as usize], own(0)), id(0))
+                }
                 Item::Sphere(i) => consider(segment.cross_sphere(&self.spheres[i as usize].0, own(0)), id(0)),
                 Item::Disk(i) => consider(segment.cross_disk(&self.disks[i as usize].0, own(0)), id(0)),
                 Item::Instance(i) => {
@@ -350,7 +365,8 @@ impl Geometry {
                 let triangle = &shared.triangles[primitive.triangle as usize];
                 let gradient = placed.normal_to_world * triangle.normal();
                 let scale = gradient.length();
-                let height = triangle.normal().dot(placed.to_object.transform_point3(point) - triangle.corner(0));
+                let height =
+                    triangle.normal().dot(placed.to_object.transform_point3(point) - triangle.corner(0));
                 (height / scale, gradient / scale)
             }
         }
@@ -408,7 +424,13 @@ impl Geometry {
         }
     }
 
-    fn triangle_point(&self, placed: &Placed, triangle: u32, weights: [f64; 3], normal: DVec3) -> SurfacePoint {
+    fn triangle_point(
+        &self,
+        placed: &Placed,
+        triangle: u32,
+        weights: [f64; 3],
+        normal: DVec3,
+    ) -> SurfacePoint {
         let mesh = &self.meshes[placed.mesh as usize];
         let shading_normal = mesh
             .interpolated_normal(triangle, weights)
@@ -575,5 +597,9 @@ fn choose_origin(
     };
     let middle = DVec3::from([0, 1, 2].map(|axis| quantile(axis, 0.5)));
     let spread = DVec3::from([0, 1, 2].map(|axis| quantile(axis, 0.9) - quantile(axis, 0.1)));
-    if middle.length() > 16.0 * spread.max_element() && places.len() > 1 { middle.round() } else { DVec3::ZERO }
+    if middle.length() > 16.0 * spread.max_element() && places.len() > 1 {
+        middle.round()
+    } else {
+        DVec3::ZERO
+    }
 }

@@ -53,12 +53,8 @@ pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fa
 
 /// Primitives (without meshes) of all shapes in the order of spawning, and the entities that have one.
 fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
-    type Shapes<'a> = (
-        Option<&'a SphereShape>,
-        Option<&'a DiskShape>,
-        Option<&'a MeshShape>,
-        Option<&'a MaterialHandle>,
-    );
+    type Shapes<'a> =
+        (Option<&'a SphereShape>, Option<&'a DiskShape>, Option<&'a MeshShape>, Option<&'a MaterialHandle>);
     let mut query = world.entities.query::<(Entity, &WorldTransform, Shapes)>();
     let mut placed: Vec<_> = query
         .iter()
@@ -70,17 +66,10 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
     for (entity, to_world, (sphere, disk, mesh, material)) in placed {
         let to_world = checked_transform(world, entity, to_world.0)?;
         let index = shaped.len() as u32;
-        let surface = |material: MaterialHandle| Surface {
-            material: material.0,
-            entity: index,
-        };
+        let surface = |material: MaterialHandle| Surface { material: material.0, entity: index };
         let elliptic = |what: &str| {
             let problem = format!("a {what} cannot be scaled differently along its axes");
-            world.fault(
-                entity,
-                &problem,
-                "scale it by a single number, or use a mesh instead",
-            )
+            world.fault(entity, &problem, "scale it by a single number, or use a mesh instead")
         };
         if let (Some(sphere), Some(material)) = (sphere, material) {
             let sphere = sphere_in_world(*sphere, &to_world).ok_or_else(|| elliptic("sphere"))?;
@@ -91,13 +80,7 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
             primitives.disks.push((disk, surface(*material)));
         }
         for (mesh, material) in mesh.iter().flat_map(|mesh| mesh.0.iter()) {
-            primitives.instances.push((
-                Instance {
-                    mesh: mesh.0,
-                    to_world,
-                },
-                surface(*material),
-            ));
+            primitives.instances.push((Instance { mesh: mesh.0, to_world }, surface(*material)));
         }
         shaped.push(entity);
     }
@@ -141,11 +124,7 @@ fn choose_camera(world: &mut World, boxes: &[(Bounds, u32)]) -> Result<Camera, F
 
 /// Rays start between the pinhole and the near plane; both must be outside.
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
-    let SpacetimeKind::Schwarzschild {
-        center,
-        schwarzschild_radius,
-    } = world.spacetime
-    else {
+    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = world.spacetime else {
         return Ok(());
     };
     let horizon = 0.25 * schwarzschild_radius;
@@ -175,8 +154,6 @@ fn warn_if_dark(world: &mut World, primitives: &Primitives) {
         .filter_map(|surface| world.materials.get(surface.material as usize))
         .any(|material| material.emits());
     if !lit && world.environment.is_black() {
-        world
-            .warnings
-            .push("nothing emits light: the picture will be black".to_owned());
+        world.warnings.push("nothing emits light: the picture will be black".to_owned());
     }
 }

@@ -15,11 +15,7 @@ fn require(
     problem: impl FnOnce() -> String,
     help: &str,
 ) -> Result<(), Fault> {
-    if good {
-        Ok(())
-    } else {
-        Err(Fault::at(span, problem(), help))
-    }
+    if good { Ok(()) } else { Err(Fault::at(span, problem(), help)) }
 }
 
 /// Largest number that makes sense anywhere: squares and products with it stay finite in 32 bits.
@@ -29,12 +25,7 @@ pub const LARGEST: f64 = 1e18;
 pub fn finite(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = *value.get_ref();
     let problem = || format!("{what} must be finite and at most {LARGEST:e}, not {number}");
-    require(
-        number.abs() <= LARGEST,
-        value.span(),
-        problem,
-        "write a smaller number",
-    )?;
+    require(number.abs() <= LARGEST, value.span(), problem, "write a smaller number")?;
     Ok(number)
 }
 
@@ -42,12 +33,7 @@ pub fn finite(value: &Number, what: &str) -> Result<f64, Fault> {
 pub fn positive(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must be positive, not {number}");
-    require(
-        number > 0.0,
-        value.span(),
-        problem,
-        "write a number greater than 0",
-    )?;
+    require(number > 0.0, value.span(), problem, "write a number greater than 0")?;
     Ok(number)
 }
 
@@ -55,12 +41,7 @@ pub fn positive(value: &Number, what: &str) -> Result<f64, Fault> {
 pub fn non_negative(value: &Number, what: &str) -> Result<f64, Fault> {
     let number = finite(value, what)?;
     let problem = || format!("{what} must not be negative, but is {number}");
-    require(
-        number >= 0.0,
-        value.span(),
-        problem,
-        "write 0 or a positive number",
-    )?;
+    require(number >= 0.0, value.span(), problem, "write 0 or a positive number")?;
     Ok(number)
 }
 
@@ -76,12 +57,7 @@ pub fn between(value: &Number, low: f64, high: f64, what: &str) -> Result<f64, F
 /// A vector whose coordinates are from −1e18 to 1e18.
 pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = DVec3::from(*value.get_ref());
-    let problem = || {
-        format!(
-            "{what} must be finite and at most {LARGEST:e}, not {:?}",
-            vector.to_array()
-        )
-    };
+    let problem = || format!("{what} must be finite and at most {LARGEST:e}, not {:?}", vector.to_array());
     let good = vector.abs().cmple(DVec3::splat(LARGEST)).all();
     require(good, value.span(), problem, "write three smaller numbers")?;
     Ok(vector)
@@ -91,11 +67,7 @@ pub fn finite_vector(value: &Vector, what: &str) -> Result<DVec3, Fault> {
 pub fn direction(value: &Vector, what: &str) -> Result<DVec3, Fault> {
     let vector = finite_vector(value, what)?;
     vector.try_normalize().ok_or_else(|| {
-        Fault::at(
-            value.span(),
-            format!("{what} has no direction: its length is 0"),
-            "write a nonzero vector",
-        )
+        Fault::at(value.span(), format!("{what} has no direction: its length is 0"), "write a nonzero vector")
     })
 }
 

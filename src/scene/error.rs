@@ -79,12 +79,7 @@ impl Place {
         let start = floor_boundary(text, span.start);
         let before = text.get(..start).unwrap_or_default();
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let source_line = text
-            .get(line_start..)
-            .unwrap_or_default()
-            .lines()
-            .next()
-            .unwrap_or_default();
+        let source_line = text.get(line_start..).unwrap_or_default().lines().next().unwrap_or_default();
         let column = before.get(line_start..).unwrap_or_default().chars().count();
         let on_line = source_line.chars().count().saturating_sub(column);
         let end = floor_boundary(text, span.end.max(start));
@@ -101,10 +96,7 @@ impl Place {
 
 /// The largest character boundary of `text` that is not after `index`.
 fn floor_boundary(text: &str, index: usize) -> usize {
-    (0..=index.min(text.len()))
-        .rev()
-        .find(|&index| text.is_char_boundary(index))
-        .unwrap_or(0)
+    (0..=index.min(text.len())).rev().find(|&index| text.is_char_boundary(index)).unwrap_or(0)
 }
 
 impl fmt::Display for Place {
@@ -113,14 +105,7 @@ impl fmt::Display for Place {
         writeln!(f, "{}:{}: {}", self.line, self.column, self.problem)?;
         writeln!(f, "{:gutter$} |", "")?;
         writeln!(f, "{} | {}", self.line, self.source_line)?;
-        write!(
-            f,
-            "{:gutter$} | {:pad$}{}",
-            "",
-            "",
-            "^".repeat(self.width),
-            pad = self.column - 1
-        )
+        write!(f, "{:gutter$} | {:pad$}{}", "", "", "^".repeat(self.width), pad = self.column - 1)
     }
 }
 
@@ -158,11 +143,7 @@ impl Fault {
 
     /// A fault that may have a place.
     pub fn maybe_at(span: Option<Range<usize>>, problem: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::Value {
-            span,
-            problem: problem.into(),
-            help: help.into(),
-        }
+        Self::Value { span, problem: problem.into(), help: help.into() }
     }
 }
 
@@ -193,14 +174,8 @@ impl SourceText<'_> {
             return SceneError::Whole { path, problem, help };
         };
         let place = Box::new(Place::new(self.text, span, problem));
-        let written = self
-            .on_disk
-            .is_some_and(|text| text.lines().any(|line| line == place.source_line));
-        let help = if written {
-            help
-        } else {
-            format!("{help}\n   = note: --set put this line there")
-        };
+        let written = self.on_disk.is_some_and(|text| text.lines().any(|line| line == place.source_line));
+        let help = if written { help } else { format!("{help}\n   = note: --set put this line there") };
         SceneError::Located { path, place, help }
     }
 }
@@ -209,9 +184,7 @@ impl SourceText<'_> {
 pub(super) fn suggestion<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     /// Below this Jaro–Winkler similarity a suggestion would only puzzle.
     const NEAR: f64 = 0.7;
-    let scored = candidates
-        .into_iter()
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate));
+    let scored = candidates.into_iter().map(|candidate| (strsim::jaro_winkler(word, candidate), candidate));
     let (score, best) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (score >= NEAR).then(|| format!("did you mean `{best}`?"))
 }
@@ -223,10 +196,7 @@ mod tests {
     #[test]
     fn a_place_shows_its_line_with_a_caret() {
         let place = Place::new("a = 1\nβ = -2\n", 11..13, "must be positive".into());
-        assert_eq!(
-            place.to_string(),
-            "2:5: must be positive\n  |\n2 | β = -2\n  |     ^^"
-        );
+        assert_eq!(place.to_string(), "2:5: must be positive\n  |\n2 | β = -2\n  |     ^^");
     }
 
     #[test]
@@ -238,10 +208,7 @@ mod tests {
 
     #[test]
     fn only_near_words_are_suggested() {
-        assert_eq!(
-            suggestion("albdo", ["name", "albedo"]),
-            Some("did you mean `albedo`?".into())
-        );
+        assert_eq!(suggestion("albdo", ["name", "albedo"]), Some("did you mean `albedo`?".into()));
         assert_eq!(suggestion("zzz", ["name", "albedo"]), None);
     }
 }

@@ -320,9 +320,7 @@ fn three_numbers<'de, A: SeqAccess<'de>>(
 ) -> Result<[f64; 3], A::Error> {
     let mut numbers = [0.0; 3];
     for (index, number) in numbers.iter_mut().enumerate() {
-        *number = sequence
-            .next_element()?
-            .ok_or_else(|| de::Error::invalid_length(index, expected))?;
+        *number = sequence.next_element()?.ok_or_else(|| de::Error::invalid_length(index, expected))?;
     }
     match sequence.next_element::<f64>()? {
         None => Ok(numbers),
@@ -347,9 +345,7 @@ fn plain(message: &str) -> String {
         ("expected u64", "expected a whole number"),
         ("expected f64", "expected a number"),
     ];
-    words.iter().fold(message.to_owned(), |message, (name, word)| {
-        message.replace(name, word)
-    })
+    words.iter().fold(message.to_owned(), |message, (name, word)| message.replace(name, word))
 }
 
 /// What to do about a message of serde or of the TOML parser.

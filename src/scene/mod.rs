@@ -50,45 +50,29 @@ pub fn load_with_hole(
     overrides: &[String],
     black_hole: Option<[f64; 4]>,
 ) -> Result<Baked, SceneError> {
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let (on_disk, text) = match extension.as_str() {
         "toml" => {
             let read = std::fs::read(path);
-            let bytes = read.map_err(|source| SceneError::Read {
-                path: path.to_owned(),
-                source,
-            })?;
+            let bytes = read.map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
             let text = String::from_utf8_lossy(&bytes).into_owned();
             (Some(text.clone()), text)
         }
         "gltf" | "glb" => (None, bare_scene(path, "gltf")),
         "obj" => (None, bare_scene(path, "mesh")),
         _ => {
-            return Err(SceneError::UnknownType {
-                path: path.to_owned(),
-            });
+            return Err(SceneError::UnknownType { path: path.to_owned() });
         }
     };
     let text = edited(path, text, overrides)?;
-    let source = SourceText {
-        path,
-        text: &text,
-        on_disk: on_disk.as_deref(),
-    };
+    let source = SourceText { path, text: &text, on_disk: on_disk.as_deref() };
     build(&source, black_hole).map_err(|fault| source.locate(fault))
 }
 
 /// The scene file that a model by itself stands for.
 fn bare_scene(path: &Path, component: &str) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    format!(
-        "[[entity]]\n{component} = {}\n",
-        toml_edit::Value::from(name.as_ref())
-    )
+    format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(name.as_ref()))
 }
 
 /// The scene's text with the overrides applied; the rest keeps its lines.
@@ -96,11 +80,7 @@ fn edited(path: &Path, text: String, overrides: &[String]) -> Result<String, Sce
     if overrides.is_empty() {
         return Ok(text);
     }
-    let source = SourceText {
-        path,
-        text: &text,
-        on_disk: Some(&text),
-    };
+    let source = SourceText { path, text: &text, on_disk: Some(&text) };
     let mut document = overrides::document(&text).map_err(|fault| source.locate(fault))?;
     for text in overrides {
         overrides::apply(&mut document, text)?;

@@ -10,11 +10,7 @@ type Complaint = (String, String);
 /// Parses the text as a document that can be edited.
 pub(super) fn document(text: &str) -> Result<DocumentMut, Fault> {
     text.parse::<DocumentMut>().map_err(|error| {
-        Fault::maybe_at(
-            error.span(),
-            error.message(),
-            "correct the TOML syntax at the caret",
-        )
+        Fault::maybe_at(error.span(), error.message(), "correct the TOML syntax at the caret")
     })
 }
 
@@ -22,11 +18,7 @@ pub(super) fn document(text: &str) -> Result<DocumentMut, Fault> {
 ///
 /// Array entries are named by index or by their `name`; tables that the file does not have are made.
 pub(super) fn apply(document: &mut DocumentMut, text: &str) -> Result<(), SceneError> {
-    let complain = |(problem, help)| SceneError::Override {
-        text: text.to_owned(),
-        problem,
-        help,
-    };
+    let complain = |(problem, help)| SceneError::Override { text: text.to_owned(), problem, help };
     let assignment = || {
         let (path, value) = text.split_once('=')?;
         let keys: Vec<&str> = path.trim().split('.').map(str::trim).collect();
@@ -65,11 +57,7 @@ fn assign(root: &mut Table, keys: &[&str], value: Value) -> Result<(), Complaint
     let mut at_root = true;
     while let Some(key) = rest.next() {
         // Inside an entry of an array a new table must be inline, or it would be written after the whole array.
-        let new = if at_root {
-            Item::Table(Table::new())
-        } else {
-            Item::Value(InlineTable::new().into())
-        };
+        let new = if at_root { Item::Table(Table::new()) } else { Item::Value(InlineTable::new().into()) };
         at_root = false;
         table = match table.entry(key).or_insert(new) {
             Item::ArrayOfTables(array) => match rest.next() {
@@ -82,9 +70,7 @@ fn assign(root: &mut Table, keys: &[&str], value: Value) -> Result<(), Complaint
             })?,
         };
     }
-    let occupied = table
-        .get(last)
-        .is_some_and(|old| old.is_table() || old.is_array_of_tables());
+    let occupied = table.get(last).is_some_and(|old| old.is_table() || old.is_array_of_tables());
     if occupied {
         return Err(is_a_table(last, keys));
     }
@@ -102,13 +88,7 @@ fn choose<'a>(array: &'a mut ArrayOfTables, key: &str, which: &str) -> Result<&'
     let count = array.len();
     let names: Vec<String> = array
         .iter()
-        .map(|entry| {
-            entry
-                .get("name")
-                .and_then(Item::as_str)
-                .unwrap_or_default()
-                .to_owned()
-        })
+        .map(|entry| entry.get("name").and_then(Item::as_str).unwrap_or_default().to_owned())
         .collect();
     let index = match which.parse::<usize>() {
         Ok(index) => index,
@@ -123,20 +103,14 @@ fn choose<'a>(array: &'a mut ArrayOfTables, key: &str, which: &str) -> Result<&'
                 (None, _) => {
                     let help = suggestion(which, names.iter().map(String::as_str))
                         .unwrap_or_else(|| format!("use a name from the file, or {key}.0, {key}.1, ..."));
-                    return Err((
-                        format!("leads nowhere: no entry of `{key}` is named `{which}`"),
-                        help,
-                    ));
+                    return Err((format!("leads nowhere: no entry of `{key}` is named `{which}`"), help));
                 }
             }
         }
     };
     array.get_mut(index).ok_or_else(|| {
         let help = "entries count from 0".to_owned();
-        (
-            format!("leads nowhere: `{key}` has {count} entries, so there is no {index}"),
-            help,
-        )
+        (format!("leads nowhere: `{key}` has {count} entries, so there is no {index}"), help)
     })
 }
 
@@ -154,10 +128,7 @@ mod tests {
 
     #[test]
     fn values_are_replaced_in_place_and_comments_stay() {
-        assert_eq!(
-            edited("camera.position=[1,2,3]").unwrap(),
-            SCENE.replace("[0, 0, 1]", "[1,2,3]")
-        );
+        assert_eq!(edited("camera.position=[1,2,3]").unwrap(), SCENE.replace("[0, 0, 1]", "[1,2,3]"));
         assert_eq!(
             edited("entity.0.sphere.radius = 2")
                 .unwrap()

@@ -32,10 +32,8 @@ const DEFAULT_IOR: f64 = 1.5;
 /// Builds the world of a scene file; paths in it are relative to `folder`.
 pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
     let mut warnings = Vec::new();
-    let spacetime = file
-        .spacetime
-        .as_ref()
-        .map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
+    let spacetime =
+        file.spacetime.as_ref().map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
     let environment = match &file.environment {
         Some(table) => environment(table, folder, &mut warnings)?,
         None => Environment::Black,
@@ -54,11 +52,7 @@ pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
         let handle = world.add_material(material(table)?);
         if names.insert(table.name.get_ref().clone(), handle).is_some() {
             let problem = format!("a second material is named `{}`", table.name.get_ref());
-            return Err(Fault::at(
-                table.name.span(),
-                problem,
-                "give each material its own name",
-            ));
+            return Err(Fault::at(table.name.span(), problem, "give each material its own name"));
         }
     }
     for (index, mut table) in file.entity.into_iter().enumerate() {
@@ -70,14 +64,9 @@ pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
 
 fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Result<SpacetimeKind, Fault> {
     let (span, table) = (table.span(), table.get_ref());
-    let center = table
-        .center
-        .as_ref()
-        .map_or(Ok(DVec3::ZERO), |at| check::finite_vector(at, "center"))?;
+    let center = table.center.as_ref().map_or(Ok(DVec3::ZERO), |at| check::finite_vector(at, "center"))?;
     let radius = table.schwarzschild_radius.as_ref();
-    let radius = radius
-        .map(|radius| check::non_negative(radius, "schwarzschild_radius"))
-        .transpose()?;
+    let radius = radius.map(|radius| check::non_negative(radius, "schwarzschild_radius")).transpose()?;
     match (table.kind, radius) {
         (SpacetimeName::Flat, None | Some(0.0)) => Ok(SpacetimeKind::Flat),
         (SpacetimeName::Flat, Some(_)) => {
@@ -100,10 +89,7 @@ pub(super) fn black_hole(center: DVec3, schwarzschild_radius: f64) -> SpacetimeK
     if schwarzschild_radius == 0.0 {
         return SpacetimeKind::Flat;
     }
-    SpacetimeKind::Schwarzschild {
-        center,
-        schwarzschild_radius,
-    }
+    SpacetimeKind::Schwarzschild { center, schwarzschild_radius }
 }
 
 fn environment(
@@ -121,25 +107,15 @@ fn environment(
         ));
     }
     if let (Some(rotation), None) = (&table.rotation, &table.image) {
-        return Err(Fault::at(
-            rotation.span(),
-            "`rotation` is for an `image`",
-            "remove it",
-        ));
+        return Err(Fault::at(rotation.span(), "`rotation` is for an `image`", "remove it"));
     }
     let strength = match &table.strength {
         Some(strength) => check::non_negative(strength, "strength")? as f32,
         None => 1.0,
     };
     if let Some(image) = &table.image {
-        let degrees = table
-            .rotation
-            .as_ref()
-            .map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
-        let error_at = |error| Fault::Asset {
-            span: image.span(),
-            error,
-        };
+        let degrees = table.rotation.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
+        let error_at = |error| Fault::Asset { span: image.span(), error };
         let picture = load_image(&folder.join(image.get_ref())).map_err(error_at)?;
         warnings.extend(picture.warnings);
         return Ok(Environment::Image(LatLong {
@@ -194,16 +170,9 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
         arc_tolerance_factor: default.arc_tolerance_factor,
     };
     if settings.width.saturating_mul(settings.height) > MAX_PIXELS {
-        let problem = format!(
-            "an image of {} × {} pixels is too large",
-            settings.width, settings.height
-        );
+        let problem = format!("an image of {} × {} pixels is too large", settings.width, settings.height);
         let span = film.width.as_ref().or(film.height.as_ref()).map(Spanned::span);
-        return Err(Fault::maybe_at(
-            span,
-            problem,
-            format!("at most {MAX_PIXELS} pixels fit"),
-        ));
+        return Err(Fault::maybe_at(span, problem, format!("at most {MAX_PIXELS} pixels fit")));
     }
     Ok(settings)
 }
@@ -225,11 +194,7 @@ fn side(pixels: Option<&Spanned<usize>>, what: &str, default: usize) -> Result<u
 fn at_least_one(count: Option<&Spanned<u32>>, what: &str, default: u32) -> Result<u32, Fault> {
     match count.map(|count| (*count.get_ref(), count.span())) {
         None => Ok(default),
-        Some((0, span)) => Err(Fault::at(
-            span,
-            format!("{what} must be at least 1"),
-            "write 1 or more",
-        )),
+        Some((0, span)) => Err(Fault::at(span, format!("{what} must be at least 1"), "write 1 or more")),
         Some((count, _)) => Ok(count),
     }
 }
@@ -245,11 +210,7 @@ fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault>
         }
         (None, Some(direction)) => check::direction(direction, "direction")?,
         (Some(_), Some(_)) => {
-            return Err(Fault::at(
-                span,
-                "both `look_at` and `direction` are given",
-                "remove one of them",
-            ));
+            return Err(Fault::at(span, "both `look_at` and `direction` are given", "remove one of them"));
         }
         (None, None) => {
             return Err(Fault::at(
@@ -259,24 +220,15 @@ fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault>
             ));
         }
     };
-    let up = table
-        .up
-        .as_ref()
-        .map_or(Ok(DVec3::Y), |up| check::direction(up, "up"))?;
+    let up = table.up.as_ref().map_or(Ok(DVec3::Y), |up| check::direction(up, "up"))?;
     let vertical_fov = check::between(&table.vertical_fov, 0.0, 180.0, "vertical_fov")?.to_radians();
-    let near = table
-        .near
-        .as_ref()
-        .map_or(Ok(0.0), |near| check::non_negative(near, "near"))?;
+    let near = table.near.as_ref().map_or(Ok(0.0), |near| check::non_negative(near, "near"))?;
     let basis = Camera::new(position, forward, up, vertical_fov, near).ok_or_else(|| {
         let help = "choose an `up` that is not parallel to the view direction";
         Fault::at(span, "the camera looks along its own `up`", help)
     })?;
     let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
-    Ok((
-        DAffine3::from_mat3_translation(axes, position),
-        CameraLens { vertical_fov, near },
-    ))
+    Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near }))
 }
 
 fn material(table: &MaterialTable) -> Result<Material, Fault> {
@@ -288,32 +240,17 @@ fn material(table: &MaterialTable) -> Result<Material, Fault> {
             "remove it, or set `kind = \"dielectric\"`",
         ));
     }
-    let default = if kind == LobeName::Diffuse {
-        DEFAULT_ALBEDO
-    } else {
-        1.0
-    };
-    let albedo = table
-        .albedo
-        .as_ref()
-        .map_or(Ok(Vec3::splat(default)), |rgb| check::reflectance(rgb, "albedo"))?;
-    let ior = table
-        .ior
-        .as_ref()
-        .map_or(Ok(DEFAULT_IOR), |ior| check::positive(ior, "ior"))?;
+    let default = if kind == LobeName::Diffuse { DEFAULT_ALBEDO } else { 1.0 };
+    let albedo =
+        table.albedo.as_ref().map_or(Ok(Vec3::splat(default)), |rgb| check::reflectance(rgb, "albedo"))?;
+    let ior = table.ior.as_ref().map_or(Ok(DEFAULT_IOR), |ior| check::positive(ior, "ior"))?;
     Ok(Material {
         lobe: match kind {
             LobeName::Diffuse => Lobe::Diffuse { albedo },
             LobeName::Mirror => Lobe::Mirror { reflectance: albedo },
-            LobeName::Dielectric => Lobe::Dielectric {
-                ior: ior as f32,
-                tint: albedo,
-            },
+            LobeName::Dielectric => Lobe::Dielectric { ior: ior as f32, tint: albedo },
         },
-        emission: table
-            .emission
-            .as_ref()
-            .map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
+        emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
         emits_both_sides: table.emits != Some(EmittingSides::Front),
     })
 }
@@ -328,21 +265,14 @@ fn spawn(
     let table = table.into_inner();
     check_one_shape(&table, span.clone())?;
     let look = look(&table, materials)?;
-    let placement = table
-        .transform
-        .as_ref()
-        .map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
+    let placement =
+        table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
     let entity = world.spawn_authored(span, table.name, placement);
     for (path, format) in [(&table.mesh, ModelFormat::Obj), (&table.gltf, ModelFormat::Gltf)] {
         if let Some(path) = path {
             check_format(path, format)?;
-            let error_at = |error| Fault::Asset {
-                span: path.span(),
-                error,
-            };
-            world
-                .spawn_model(&folder.join(path.get_ref()), format, entity, look)
-                .map_err(error_at)?;
+            let error_at = |error| Fault::Asset { span: path.span(), error };
+            world.spawn_model(&folder.join(path.get_ref()), format, entity, look).map_err(error_at)?;
         }
     }
     // The entity was spawned above, so inserting cannot fail.
@@ -359,10 +289,7 @@ fn spawn(
 
 /// Fails if the extension is that of the other kind of file.
 fn check_format(path: &Text, format: ModelFormat) -> Result<(), Fault> {
-    let extension = Path::new(path.get_ref())
-        .extension()
-        .unwrap_or_default()
-        .to_ascii_lowercase();
+    let extension = Path::new(path.get_ref()).extension().unwrap_or_default().to_ascii_lowercase();
     let (problem, help) = match (format, extension.to_str()) {
         (ModelFormat::Obj, Some("gltf" | "glb")) => ("`mesh` reads OBJ files", "write `gltf = ...` instead"),
         (ModelFormat::Gltf, Some("obj")) => ("`gltf` reads glTF files", "write `mesh = ...` instead"),
@@ -382,22 +309,13 @@ fn name_shape(table: &mut EntityTable, index: usize) {
 }
 
 fn check_one_shape(table: &EntityTable, span: std::ops::Range<usize>) -> Result<(), Fault> {
-    let shapes = [
-        table.sphere.is_some(),
-        table.mesh.is_some(),
-        table.gltf.is_some(),
-        table.disk.is_some(),
-    ];
+    let shapes = [table.sphere.is_some(), table.mesh.is_some(), table.gltf.is_some(), table.disk.is_some()];
     let problem = match shapes.iter().filter(|given| **given).count() {
         0 => "the entity has no shape",
         1 => return Ok(()),
         _ => "the entity has more than one shape",
     };
-    Err(Fault::at(
-        span,
-        problem,
-        "give it exactly one of `sphere`, `mesh`, `gltf`, `disk`",
-    ))
+    Err(Fault::at(span, problem, "give it exactly one of `sphere`, `mesh`, `gltf`, `disk`"))
 }
 
 fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Result<Look, Fault> {
@@ -405,33 +323,20 @@ fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Res
         materials.get(name.get_ref()).copied().ok_or_else(|| {
             let help = suggestion(name.get_ref(), materials.keys().map(String::as_str))
                 .unwrap_or_else(|| "add a [[material]] with this name".to_owned());
-            Fault::at(
-                name.span(),
-                format!("no material is named `{}`", name.get_ref()),
-                help,
-            )
+            Fault::at(name.span(), format!("no material is named `{}`", name.get_ref()), help)
         })
     });
     let emission = table.emission.as_ref().map(|rgb| check::colour(rgb, "emission"));
-    Ok(Look {
-        material: material.transpose()?,
-        emission: emission.transpose()?,
-    })
+    Ok(Look { material: material.transpose()?, emission: emission.transpose()? })
 }
 
 /// The material of a sphere or disk: the named one or the default, with the entity's own emission.
 fn own_material(world: &mut World, look: Look) -> MaterialHandle {
     match look {
-        Look {
-            material: Some(handle),
-            emission: None,
-        } => handle,
+        Look { material: Some(handle), emission: None } => handle,
         Look { material, emission } => {
             let base = material.map_or_else(Material::default, |handle| world.material(handle));
-            world.add_material(Material {
-                emission: emission.unwrap_or(base.emission),
-                ..base
-            })
+            world.add_material(Material { emission: emission.unwrap_or(base.emission), ..base })
         }
     }
 }
@@ -444,18 +349,11 @@ fn sphere(table: &SphereTable) -> Result<Sphere, Fault> {
 }
 
 fn disk(table: &DiskTable) -> Result<Disk, Fault> {
-    let inner = table
-        .inner
-        .as_ref()
-        .map_or(Ok(0.0), |radius| check::non_negative(radius, "inner"))?;
+    let inner = table.inner.as_ref().map_or(Ok(0.0), |radius| check::non_negative(radius, "inner"))?;
     let outer = check::positive(&table.outer, "outer")?;
     if inner >= outer {
         let problem = format!("the inner radius {inner} is not less than the outer one, {outer}");
-        return Err(Fault::at(
-            table.outer.span(),
-            problem,
-            "make `outer` greater than `inner`",
-        ));
+        return Err(Fault::at(table.outer.span(), problem, "make `outer` greater than `inner`"));
     }
     Ok(Disk {
         center: check::finite_vector(&table.center, "center")?,
@@ -466,9 +364,10 @@ fn disk(table: &DiskTable) -> Result<Disk, Fault> {
 }
 
 fn transform(table: &TransformTable) -> Result<DAffine3, Fault> {
-    let translation = table.translate.as_ref().map_or(Ok(DVec3::ZERO), |offset| {
-        check::finite_vector(offset, "translate")
-    })?;
+    let translation = table
+        .translate
+        .as_ref()
+        .map_or(Ok(DVec3::ZERO), |offset| check::finite_vector(offset, "translate"))?;
     let rotation = table.rotate.as_ref().map_or(Ok(DQuat::IDENTITY), rotation)?;
     let scale = table.scale.as_ref().map_or(Ok(DVec3::ONE), |scale| {
         let factors = DVec3::from(scale.get_ref().0);
@@ -484,11 +383,7 @@ fn transform(table: &TransformTable) -> Result<DAffine3, Fault> {
             ))
         }
     })?;
-    Ok(DAffine3::from_scale_rotation_translation(
-        scale,
-        rotation,
-        translation,
-    ))
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
 }
 
 fn rotation(given: &Spanned<Rotation>) -> Result<DQuat, Fault> {

@@ -55,22 +55,15 @@ fn uniform_scale(to_world: &DAffine3) -> Option<f64> {
     let tolerance = SCALE_TOLERANCE * scale;
     let equal =
         (m.y_axis.length() - scale).abs() <= tolerance && (m.z_axis.length() - scale).abs() <= tolerance;
-    let skew = m
-        .x_axis
-        .dot(m.y_axis)
-        .abs()
-        .max(m.y_axis.dot(m.z_axis).abs())
-        .max(m.z_axis.dot(m.x_axis).abs());
+    let skew =
+        m.x_axis.dot(m.y_axis).abs().max(m.y_axis.dot(m.z_axis).abs()).max(m.z_axis.dot(m.x_axis).abs());
     (equal && skew <= tolerance * scale).then_some(scale)
 }
 
 /// The sphere in the world; `None` if it would become an ellipsoid.
 pub(super) fn sphere_in_world(SphereShape(sphere): SphereShape, to_world: &DAffine3) -> Option<Sphere> {
     let scale = uniform_scale(to_world)?;
-    Some(Sphere {
-        center: to_world.transform_point3(sphere.center),
-        radius: sphere.radius * scale,
-    })
+    Some(Sphere { center: to_world.transform_point3(sphere.center), radius: sphere.radius * scale })
 }
 
 /// The disk in the world; `None` if it would become elliptic.
@@ -96,42 +89,27 @@ pub(super) struct Bounds {
 impl Bounds {
     fn of(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         points.fold(None, |bounds, point| {
-            let Bounds { min, max } = bounds.unwrap_or(Bounds {
-                min: point,
-                max: point,
-            });
-            Some(Bounds {
-                min: min.min(point),
-                max: max.max(point),
-            })
+            let Bounds { min, max } = bounds.unwrap_or(Bounds { min: point, max: point });
+            Some(Bounds { min: min.min(point), max: max.max(point) })
         })
     }
 
     /// A box around a ball.
     fn around(center: DVec3, radius: f64) -> Self {
-        Self {
-            min: center - radius,
-            max: center + radius,
-        }
+        Self { min: center - radius, max: center + radius }
     }
 
     fn corners(self) -> [DVec3; 8] {
         let Bounds { min, max } = self;
         [0u8, 1, 2, 3, 4, 5, 6, 7].map(|corner| {
             let pick = |axis: u8, low: f64, high: f64| if corner >> axis & 1 == 0 { low } else { high };
-            DVec3::new(
-                pick(0, min.x, max.x),
-                pick(1, min.y, max.y),
-                pick(2, min.z, max.z),
-            )
+            DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
         })
     }
 
     /// Whether all coordinates are finite and small enough to compute with in 32 bits.
     pub fn is_representable(self) -> bool {
-        [self.min, self.max]
-            .iter()
-            .all(|corner| is_representable(*corner))
+        [self.min, self.max].iter().all(|corner| is_representable(*corner))
     }
 }
 
@@ -142,29 +120,19 @@ pub(super) fn is_representable(point: DVec3) -> bool {
 
 /// Bounds of each mesh in its own space.
 fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
-    Bounds::of(
-        mesh.positions
-            .iter()
-            .map(|position| glam::Vec3::from(*position).as_dvec3()),
-    )
+    Bounds::of(mesh.positions.iter().map(|position| glam::Vec3::from(*position).as_dvec3()))
 }
 
 /// Bounds of each primitive with the index of its entity.
 pub(super) fn primitive_bounds(primitives: &Primitives) -> Vec<(Bounds, u32)> {
     let meshes: Vec<Option<Bounds>> = primitives.meshes.iter().map(mesh_bounds).collect();
-    let spheres = primitives
-        .spheres
-        .iter()
-        .map(|(s, surface)| (Bounds::around(s.center, s.radius), surface.entity));
-    let disks = primitives
-        .disks
-        .iter()
-        .map(|(d, surface)| (Bounds::around(d.center, d.outer), surface.entity));
+    let spheres =
+        primitives.spheres.iter().map(|(s, surface)| (Bounds::around(s.center, s.radius), surface.entity));
+    let disks =
+        primitives.disks.iter().map(|(d, surface)| (Bounds::around(d.center, d.outer), surface.entity));
     let instances = primitives.instances.iter().filter_map(|(instance, surface)| {
         let bounds = (*meshes.get(instance.mesh as usize)?)?;
-        let corners = bounds
-            .corners()
-            .map(|corner| instance.to_world.transform_point3(corner));
+        let corners = bounds.corners().map(|corner| instance.to_world.transform_point3(corner));
         Some((Bounds::of(corners.into_iter())?, surface.entity))
     });
     spheres.chain(disks).chain(instances).collect()
@@ -183,15 +151,9 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
         return Ok(None);
     };
     if world.camera.is_none() && found.len() > 1 {
-        let others: Vec<String> = found
-            .iter()
-            .skip(1)
-            .map(|(entity, ..)| world.name(*entity))
-            .collect();
+        let others: Vec<String> = found.iter().skip(1).map(|(entity, ..)| world.name(*entity)).collect();
         let used = world.name(entity);
-        world
-            .warnings
-            .push(format!("camera `{used}` is used; ignored: {}", others.join(", ")));
+        world.warnings.push(format!("camera `{used}` is used; ignored: {}", others.join(", ")));
     }
     let forward = to_world.transform_vector3(DVec3::NEG_Z);
     let up = to_world.transform_vector3(DVec3::Y);
@@ -244,10 +206,7 @@ mod tests {
 
     #[test]
     fn the_framing_camera_sees_all_corners() {
-        let bounds = Bounds {
-            min: DVec3::new(-1.0, 0.0, 2.0),
-            max: DVec3::new(3.0, 5.0, 4.0),
-        };
+        let bounds = Bounds { min: DVec3::new(-1.0, 0.0, 2.0), max: DVec3::new(3.0, 5.0, 4.0) };
         for aspect in [4.0 / 3.0, 0.5] {
             let camera = framing_camera(&[(bounds, 0)], aspect).unwrap();
             for corner in bounds.corners() {

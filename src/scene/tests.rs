@@ -43,10 +43,7 @@ const TRIANGLE: &str = "o leaf\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 fn assert_near(actual: DAffine3, expected: DAffine3) {
     let difference = (actual.matrix3 - expected.matrix3).to_cols_array();
     let offset = (actual.translation - expected.translation).to_array();
-    let largest = difference
-        .iter()
-        .chain(&offset)
-        .fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let largest = difference.iter().chain(&offset).fold(0.0f64, |largest, value| largest.max(value.abs()));
     assert!(largest < 1e-6, "{actual:?} is not {expected:?}");
 }
 
@@ -57,12 +54,7 @@ fn every_scene_of_the_repository_loads() {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let baked = load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(
-            (baked.settings.width, baked.settings.height),
-            (640, 480),
-            "{}",
-            path.display()
-        );
+        assert_eq!((baked.settings.width, baked.settings.height), (640, 480), "{}", path.display());
         assert!(!baked.entities.is_empty());
         count += 1;
     }
@@ -74,23 +66,11 @@ fn the_black_hole_scene_is_the_papers_figure_5() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell_black_hole.toml");
     let baked = load(&path, &[]).unwrap();
     let center = DVec3::new(-1.0, -13.2, 60.0);
-    assert_eq!(
-        baked.spacetime,
-        SpacetimeKind::Schwarzschild {
-            center,
-            schwarzschild_radius: 5.0
-        }
-    );
+    assert_eq!(baked.spacetime, SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 5.0 });
     assert_eq!(baked.entities.len(), 9);
     assert_eq!(baked.camera.near, 140.0);
     assert!((baked.camera.tan_half_fov - 0.5135 / 2.0).abs() < 1e-7);
-    assert_eq!(
-        baked.materials[5].lobe,
-        Lobe::Dielectric {
-            ior: 1.5,
-            tint: Vec3::splat(0.999)
-        }
-    );
+    assert_eq!(baked.materials[5].lobe, Lobe::Dielectric { ior: 1.5, tint: Vec3::splat(0.999) });
     assert!(baked.warnings.is_empty());
     let flat = load(&path, &["spacetime.schwarzschild_radius=0".to_owned()]).unwrap();
     assert_eq!(flat.spacetime, SpacetimeKind::Flat);
@@ -100,33 +80,13 @@ fn the_black_hole_scene_is_the_papers_figure_5() {
 fn the_room_shares_no_extra_meshes_and_names_its_nodes() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/room_black_hole.toml");
     let baked = load(&path, &[]).unwrap();
-    assert!(
-        baked.entities.contains(&"room/GlassBall".to_owned()),
-        "{:?}",
-        baked.entities
-    );
-    assert!(baked.materials.iter().any(|m| m.lobe
-        == Lobe::Dielectric {
-            ior: 1.45,
-            tint: Vec3::ONE
-        }));
+    assert!(baked.entities.contains(&"room/GlassBall".to_owned()), "{:?}", baked.entities);
+    assert!(baked.materials.iter().any(|m| m.lobe == Lobe::Dielectric { ior: 1.45, tint: Vec3::ONE }));
     // The floor's only colour is that of its texture.
-    assert!(
-        baked
-            .materials
-            .iter()
-            .all(|m| m.lobe != Lobe::Diffuse { albedo: Vec3::ONE })
-    );
+    assert!(baked.materials.iter().all(|m| m.lobe != Lobe::Diffuse { albedo: Vec3::ONE }));
     assert!((baked.camera.position - DVec3::new(-0.25, 1.45, 2.75)).length() < 1e-6);
     assert!((baked.camera.up - DVec3::new(0.013619, 0.990319, -0.138139)).length() < 1e-5);
-    assert!(
-        baked
-            .warnings
-            .iter()
-            .any(|line| line.contains("PointWarm, SpotCool")),
-        "{:?}",
-        baked.warnings
-    );
+    assert!(baked.warnings.iter().any(|line| line.contains("PointWarm, SpotCool")), "{:?}", baked.warnings);
 }
 
 #[test]
@@ -143,10 +103,7 @@ fn instances_share_their_mesh() {
     assert_eq!(primitives.instances.len(), 2);
     assert_eq!(names, ["one/leaf", "leaf"]);
     assert_eq!(primitives.instances[1].1.entity, 1);
-    assert_near(
-        primitives.instances[1].0.to_world,
-        DAffine3::from_scale(DVec3::splat(2.0)),
-    );
+    assert_near(primitives.instances[1].0.to_world, DAffine3::from_scale(DVec3::splat(2.0)));
 }
 
 #[test]
@@ -215,12 +172,9 @@ fn spheres_follow_a_uniform_scale() {
 #[test]
 fn a_bare_model_gets_a_camera_and_a_sky_and_may_get_a_hole() {
     let files = Files::new(&[("a b.OBJ", TRIANGLE)]);
-    let baked = load_with_hole(
-        &files.path("a b.OBJ"),
-        &["film.width=320".to_owned()],
-        Some([0.0, 0.0, -1.0, 0.1]),
-    )
-    .unwrap();
+    let baked =
+        load_with_hole(&files.path("a b.OBJ"), &["film.width=320".to_owned()], Some([0.0, 0.0, -1.0, 0.1]))
+            .unwrap();
     assert!(matches!(baked.environment, Environment::Gradient { .. }));
     assert_eq!(baked.settings.width, 320);
     assert!(baked.camera.position.y > 0.5 && baked.camera.forward.y < 0.0);
@@ -240,12 +194,7 @@ fn entity_emission_and_material_override_those_of_the_mesh() {
     let (path, mut materials) = (files.path("a.toml"), Vec::new());
     materials.extend(load(&path, &[]).unwrap().materials);
     let last = materials.last().unwrap();
-    assert_eq!(
-        last.lobe,
-        Lobe::Mirror {
-            reflectance: Vec3::new(1.0, 0.8, 0.3)
-        }
-    );
+    assert_eq!(last.lobe, Lobe::Mirror { reflectance: Vec3::new(1.0, 0.8, 0.3) });
     assert_eq!(last.emission, Vec3::splat(3.0));
 }
 
@@ -257,19 +206,9 @@ fn an_environment_picture_turns_about_y() {
     )]);
     // Four columns look along +Z−X, −X−Z, −Z+X, X+Z; the second is white.
     let white = |x, _| image::Luma([if x == 1 { 255u8 } else { 0 }]);
-    image::GrayImage::from_fn(4, 2, white)
-        .save(files.path("sky.png"))
-        .unwrap();
+    image::GrayImage::from_fn(4, 2, white).save(files.path("sky.png")).unwrap();
     let baked = load(&files.path("a.toml"), &[]).unwrap();
     // A quarter turn to the left takes −X−Z to −X+Z.
-    assert_eq!(
-        baked.environment.radiance(DVec3::new(-1.0, 0.0, 1.0).normalize()),
-        Vec3::ONE
-    );
-    assert_eq!(
-        baked
-            .environment
-            .radiance(DVec3::new(-1.0, 0.0, -1.0).normalize()),
-        Vec3::ZERO
-    );
+    assert_eq!(baked.environment.radiance(DVec3::new(-1.0, 0.0, 1.0).normalize()), Vec3::ONE);
+    assert_eq!(baked.environment.radiance(DVec3::new(-1.0, 0.0, -1.0).normalize()), Vec3::ZERO);
 }

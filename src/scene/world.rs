@@ -103,29 +103,18 @@ impl World {
             Some(loaded) => loaded,
             None => self.read_model(path, format)?,
         };
-        let prefix = self
-            .entities
-            .get::<&Name>(parent)
-            .map(|name| name.0.clone())
-            .unwrap_or_default();
+        let prefix = self.entities.get::<&Name>(parent).map(|name| name.0.clone()).unwrap_or_default();
         let mut changed = HashMap::new();
         let mut spawned: Vec<Entity> = Vec::with_capacity(loaded.nodes.len());
         for node in &loaded.nodes {
-            let above = node
-                .parent
-                .and_then(|index| spawned.get(index).copied())
-                .unwrap_or(parent);
+            let above = node.parent.and_then(|index| spawned.get(index).copied()).unwrap_or(parent);
             let parts = node.parts.iter().map(|part| {
                 let own = MaterialHandle(loaded.first_material + part.material as u32);
                 let material = *changed.entry(own).or_insert_with(|| self.restyled(own, look));
                 (MeshHandle(loaded.first_mesh + part.mesh as u32), material)
             });
             let shape = MeshShape(parts.collect());
-            let name = if prefix.is_empty() {
-                node.name.clone()
-            } else {
-                format!("{prefix}/{}", node.name)
-            };
+            let name = if prefix.is_empty() { node.name.clone() } else { format!("{prefix}/{}", node.name) };
             spawned.push(self.spawn_node(node, name, above, shape));
         }
         self.models.insert(path.to_owned(), loaded);
@@ -140,10 +129,7 @@ impl World {
             let _ = self.entities.insert_one(entity, shape);
         }
         if let Some(lens) = node.lens {
-            let lens = CameraLens {
-                vertical_fov: lens.vertical_fov,
-                near: 0.0,
-            };
+            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0 };
             let _ = self.entities.insert_one(entity, lens);
         }
         entity
@@ -159,20 +145,12 @@ impl World {
         let base = look.material.unwrap_or(own);
         match look.emission {
             None => base,
-            Some(emission) => self.add_material(Material {
-                emission,
-                ..self.material(base)
-            }),
+            Some(emission) => self.add_material(Material { emission, ..self.material(base) }),
         }
     }
 
     fn read_model(&mut self, path: &Path, format: ModelFormat) -> Result<LoadedModel, AssetError> {
-        let Model {
-            mut meshes,
-            mut materials,
-            nodes,
-            mut warnings,
-        } = match format {
+        let Model { mut meshes, mut materials, nodes, mut warnings } = match format {
             ModelFormat::Obj => load_obj(path)?,
             ModelFormat::Gltf => load_gltf(path)?,
         };
@@ -195,34 +173,20 @@ impl World {
         placement: DAffine3,
     ) -> Entity {
         let name = Name(name.unwrap_or_default());
-        self.entities
-            .spawn((AuthoredAt(span), name, LocalTransform(placement)))
+        self.entities.spawn((AuthoredAt(span), name, LocalTransform(placement)))
     }
 
     /// Name of an entity, for messages and for the object-id AOV.
     pub fn name(&self, entity: Entity) -> String {
-        let name = self
-            .entities
-            .get::<&Name>(entity)
-            .map(|name| name.0.clone())
-            .unwrap_or_default();
-        if name.is_empty() {
-            format!("entity {}", entity.id())
-        } else {
-            name
-        }
+        let name = self.entities.get::<&Name>(entity).map(|name| name.0.clone()).unwrap_or_default();
+        if name.is_empty() { format!("entity {}", entity.id()) } else { name }
     }
 
     /// A fault of `entity`, at the place where it or the entity that it belongs to is written.
     pub fn fault(&self, entity: Entity, problem: &str, help: &str) -> Fault {
         let span = std::iter::once(entity)
             .chain(self.ancestors(entity))
-            .find_map(|entity| {
-                self.entities
-                    .get::<&AuthoredAt>(entity)
-                    .ok()
-                    .map(|at| at.0.clone())
-            });
+            .find_map(|entity| self.entities.get::<&AuthoredAt>(entity).ok().map(|at| at.0.clone()));
         Fault::maybe_at(span, format!("`{}`: {problem}", self.name(entity)), help)
     }
 }

@@ -38,7 +38,11 @@ pub struct Material {
 impl Default for Material {
     /// Diffuse grey of albedo 0.8, glTF's and Blender's look for "no material".
     fn default() -> Self {
-        Self { lobe: Lobe::Diffuse { albedo: Vec3::splat(0.8) }, emission: Vec3::ZERO, emits_both_sides: true }
+        Self {
+            lobe: Lobe::Diffuse { albedo: Vec3::splat(0.8) },
+            emission: Vec3::ZERO,
+            emits_both_sides: true,
+        }
     }
 }
 

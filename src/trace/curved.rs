@@ -139,7 +139,15 @@ impl<M: ConformallyFlat> Transport for Curved<M> {
         let step = rkn4(&self.medium, [flight.position, flight.momentum, flight.force], flight.h);
         let (arc, error, next_h) = self.control.judge(&step);
         let [position, momentum, force] = step.end;
-        CurvedMove { position, momentum, force, middle: arc.p1, weight: arc.w, next_h, accepted: error <= 1.0 }
+        CurvedMove {
+            position,
+            momentum,
+            force,
+            middle: arc.p1,
+            weight: arc.w,
+            next_h,
+            accepted: error <= 1.0,
+        }
     }
 
     #[inline(always)]
@@ -199,7 +207,9 @@ impl<M: ConformallyFlat> Transport for Curved<M> {
             return if moves { Outcome::Flying(shorter) } else { Outcome::NonFinite };
         }
         match self.chart.stop(step.position, step.momentum) {
-            Some(Stop::Escaped) => Outcome::Escaped(self.medium.escape_direction(step.position, step.momentum)),
+            Some(Stop::Escaped) => {
+                Outcome::Escaped(self.medium.escape_direction(step.position, step.momentum))
+            }
             Some(Stop::Captured) => Outcome::Captured,
             None => Outcome::Flying(CurvedFlight {
                 position: step.position,

@@ -89,7 +89,12 @@ const FEWEST_FOR_NOISE: u32 = 16;
 
 /// Renders `scene`; `progress` is called from worker threads after each finished tile, and setting `cancel` ends the
 /// run after the tiles in work (pixels that miss the current pass keep the samples of the passes before).
-pub fn render(scene: &Baked, run: &Run, cancel: &AtomicBool, progress: &(dyn Fn(Progress) + Sync)) -> Rendered {
+pub fn render(
+    scene: &Baked,
+    run: &Run,
+    cancel: &AtomicBool,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Rendered {
     let renderer = Renderer { scene, run, cancel, progress };
     let settings = &scene.settings;
     let (center, r_s) = match scene.spacetime {
@@ -143,11 +148,12 @@ impl Renderer<'_> {
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);
         let started = Instant::now();
-        let (counters, times, threads) = match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
-            Ok(pool) => pool.install(|| self.passes(&job, transport, &mut tiles, wanted, started)),
-            // Without a pool of its own the render shares rayon's.
-            Err(_) => self.passes(&job, transport, &mut tiles, wanted, started),
-        };
+        let (counters, times, threads) =
+            match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
+                Ok(pool) => pool.install(|| self.passes(&job, transport, &mut tiles, wanted, started)),
+                // Without a pool of its own the render shares rayon's.
+                Err(_) => self.passes(&job, transport, &mut tiles, wanted, started),
+            };
         let mut image = Image {
             width: settings.width,
             height: settings.height,
@@ -222,8 +228,10 @@ impl Renderer<'_> {
         if tiles.iter().any(|tile| tile.spp < FEWEST_FOR_NOISE) {
             return false;
         }
-        let (error, pixels) =
-            tiles.iter().map(Tile::relative_error).fold((0.0, 0), |(e, n), (error, count)| (e + error, n + count));
+        let (error, pixels) = tiles
+            .iter()
+            .map(Tile::relative_error)
+            .fold((0.0, 0), |(e, n), (error, count)| (e + error, n + count));
         error <= noise * pixels as f64
     }
 }
@@ -240,7 +248,9 @@ fn trace_tile<T: Transport>(
     let mut samples = Samples::new(wanted, work.paths() as usize);
     let (mut counters, mut times) = (Counters::default(), StageTimes::default());
     match job.settings.schedule {
-        Schedule::Wavefront => wavefront.trace(job, transport, &work, &mut samples, &mut counters, &mut times),
+        Schedule::Wavefront => {
+            wavefront.trace(job, transport, &work, &mut samples, &mut counters, &mut times)
+        }
         Schedule::PerPixel => per_pixel::trace(job, transport, &work, &mut samples, &mut counters),
     }
     tile.add(&samples, count);

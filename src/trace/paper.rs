@@ -68,7 +68,13 @@ impl Transport for PaperMarch {
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
         let x = position - self.center;
-        PaperFlight { position: x, momentum: self.medium.momentum(x, direction), step: FIRST_STEP, leaves, steps: 0 }
+        PaperFlight {
+            position: x,
+            momentum: self.medium.momentum(x, direction),
+            step: FIRST_STEP,
+            leaves,
+            steps: 0,
+        }
     }
 
     #[inline(always)]

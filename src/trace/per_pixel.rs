@@ -13,7 +13,13 @@ use super::work::{Job, Work};
 use crate::geometry::PrimitiveId;
 
 /// Traces all paths of `work` into `samples`.
-pub fn trace<T: Transport>(job: &Job, transport: &T, work: &Work, samples: &mut Samples, counters: &mut Counters) {
+pub fn trace<T: Transport>(
+    job: &Job,
+    transport: &T,
+    work: &Work,
+    samples: &mut Samples,
+    counters: &mut Counters,
+) {
     for index in 0..work.paths() {
         trace_path(job, transport, work, index, samples, counters);
     }

@@ -60,7 +60,9 @@ impl Transport for Straight {
         let leave = a.max(b).min_element();
         let enter = a.min(b).max_element();
         let inside = leave >= enter && leave > 0.0 && leave.is_finite();
-        StraightMove { end: if inside { flight.position + leave * flight.direction } else { flight.position } }
+        StraightMove {
+            end: if inside { flight.position + leave * flight.direction } else { flight.position },
+        }
     }
 
     #[inline(always)]
@@ -86,7 +88,9 @@ impl Transport for Straight {
     ) -> Outcome<StraightFlight> {
         let direction = flight.direction;
         match found {
-            Some(Found { point, primitive }) => Outcome::Landed(Landing { position: point, direction, primitive }),
+            Some(Found { point, primitive }) => {
+                Outcome::Landed(Landing { position: point, direction, primitive })
+            }
             None => Outcome::Escaped(direction),
         }
     }

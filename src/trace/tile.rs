@@ -117,7 +117,11 @@ impl Tile {
         match aov {
             Aov::Depth => {
                 let first = first();
-                vec![if first.hits == 0 { f32::INFINITY } else { (first.depth / f64::from(first.hits)) as f32 }]
+                vec![if first.hits == 0 {
+                    f32::INFINITY
+                } else {
+                    (first.depth / f64::from(first.hits)) as f32
+                }]
             }
             Aov::Position => vector(first().position / f64::from(first().hits.max(1))),
             Aov::Normal => vector(first().normal / self.count()),

@@ -61,22 +61,15 @@ fn read<T: Copy>(
     };
     let index_bytes = buffers.view(&sparse.indices().view())?;
     let value_bytes = buffers.view(&sparse.values().view())?;
-    let indices = strided(
-        index_bytes,
-        sparse.indices().offset(),
-        index_size,
-        index_size,
-        sparse.count(),
-    );
+    let indices = strided(index_bytes, sparse.indices().offset(), index_size, index_size, sparse.count());
     let replacements = strided(value_bytes, sparse.values().offset(), size, size, sparse.count());
     let (Some(indices), Some(replacements)) = (indices, replacements) else {
         return Err(damaged(accessor, "has sparse values beyond their buffer view"));
     };
     for (index, replacement) in indices.zip(replacements) {
         let index = unsigned_integer(index, index_size) as usize;
-        let value = values
-            .get_mut(index)
-            .ok_or_else(|| damaged(accessor, "has a sparse index out of range"))?;
+        let value =
+            values.get_mut(index).ok_or_else(|| damaged(accessor, "has a sparse index out of range"))?;
         *value = decode(replacement);
     }
     Ok(values)
@@ -97,11 +90,7 @@ fn strided(
 
 /// Little-endian unsigned integer of up to 4 bytes.
 fn unsigned_integer(bytes: &[u8], size: usize) -> u32 {
-    bytes
-        .iter()
-        .take(size)
-        .rev()
-        .fold(0, |value, byte| value << 8 | u32::from(*byte))
+    bytes.iter().take(size).rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
 }
 
 /// One component as a float (glTF 2.0 §3.6.2.2 for the normalised ones).
@@ -115,16 +104,9 @@ fn component(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
         DataType::U32 => (bits as f32, 1.0),
         DataType::F32 => (f32::from_bits(bits), 1.0),
     };
-    if normalized {
-        (value / largest).max(-1.0)
-    } else {
-        value
-    }
+    if normalized { (value / largest).max(-1.0) } else { value }
 }
 
 fn damaged(accessor: &gltf::Accessor, what: &str) -> Flaw {
-    Flaw::new(
-        format!("accessor {} {what}", accessor.index()),
-        "the file is damaged; export it again",
-    )
+    Flaw::new(format!("accessor {} {what}", accessor.index()), "the file is damaged; export it again")
 }

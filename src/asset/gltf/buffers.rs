@@ -18,10 +18,7 @@ impl<'a> Buffers<'a> {
         let read = |buffer: gltf::Buffer| {
             let bytes = match buffer.source() {
                 gltf::buffer::Source::Bin => gltf.blob.clone().ok_or_else(|| {
-                    Flaw::new(
-                        "the binary chunk is missing",
-                        "the file is cut off; copy or export it again",
-                    )
+                    Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
                 }),
                 gltf::buffer::Source::Uri(uri) => read_uri(uri, folder),
             }
@@ -30,35 +27,23 @@ impl<'a> Buffers<'a> {
                 return Ok(bytes);
             }
             Err(Flaw::new(
-                format!(
-                    "buffer {} has {} bytes instead of {}",
-                    buffer.index(),
-                    bytes.len(),
-                    buffer.length()
-                ),
+                format!("buffer {} has {} bytes instead of {}", buffer.index(), bytes.len(), buffer.length()),
                 "the file is cut off; copy or export it again",
             ))
         };
-        Ok(Self {
-            gltf,
-            folder,
-            buffers: gltf.buffers().map(read).collect::<Result<_, _>>()?,
-        })
+        Ok(Self { gltf, folder, buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
     }
 
     /// The bytes of a buffer view.
     pub fn view(&self, view: &gltf::buffer::View) -> Result<&[u8], Flaw> {
         let end = view.offset().checked_add(view.length());
         let bytes = self.buffers.get(view.buffer().index());
-        bytes
-            .zip(end)
-            .and_then(|(bytes, end)| bytes.get(view.offset()..end))
-            .ok_or_else(|| {
-                Flaw::new(
-                    format!("buffer view {} reaches beyond its buffer", view.index()),
-                    "the file is damaged; export it again",
-                )
-            })
+        bytes.zip(end).and_then(|(bytes, end)| bytes.get(view.offset()..end)).ok_or_else(|| {
+            Flaw::new(
+                format!("buffer view {} reaches beyond its buffer", view.index()),
+                "the file is damaged; export it again",
+            )
+        })
     }
 
     /// The bytes of an encoded image.
@@ -81,18 +66,12 @@ fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Flaw> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
         return encoded.and_then(decode_base64).ok_or_else(|| {
-            Flaw::new(
-                "the data URI is not base64",
-                "export with a separate .bin file or as .glb",
-            )
+            Flaw::new("the data URI is not base64", "export with a separate .bin file or as .glb")
         });
     }
     let path = folder.join(decode_percent(uri));
     std::fs::read(&path).map_err(|error| {
-        Flaw::new(
-            format!("{} cannot be read: {error}", path.display()),
-            "put the file beside the .gltf file",
-        )
+        Flaw::new(format!("{} cannot be read: {error}", path.display()), "put the file beside the .gltf file")
     })
 }
 
@@ -126,9 +105,9 @@ fn decode_percent(uri: &str) -> String {
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
         let escaped = match rest {
-            [b'%', high, low, tail @ ..] => hex(*high)
-                .zip(hex(*low))
-                .map(|(high, low)| (high << 4 | low, tail)),
+            [b'%', high, low, tail @ ..] => {
+                hex(*high).zip(hex(*low)).map(|(high, low)| (high << 4 | low, tail))
+            }
             _ => None,
         };
         let (byte, tail) = escaped.unwrap_or((*first, tail));

@@ -32,10 +32,7 @@ pub(super) fn convert(material: &gltf::Material, buffers: &Buffers, notes: &mut 
     let emission = Vec3::from(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
     let usable = emission.is_finite() && emission.cmpge(Vec3::ZERO).all();
     if !usable {
-        notes.add(
-            "emission that is negative or not finite is ignored, in material",
-            &name,
-        );
+        notes.add("emission that is negative or not finite is ignored, in material", &name);
     }
     Material {
         lobe: lobe(material, base, notes, &name),
@@ -65,10 +62,7 @@ fn texture_mean(material: &gltf::Material, buffers: &Buffers, notes: &mut Notes,
             (sum / picture.pixels.len() as f64).as_vec3()
         }
         Err(flaw) => {
-            notes.add(
-                format!("base colour texture is ignored ({}), in material", flaw.problem),
-                name,
-            );
+            notes.add(format!("base colour texture is ignored ({}), in material", flaw.problem), name);
             Vec3::ONE
         }
     }
@@ -77,17 +71,12 @@ fn texture_mean(material: &gltf::Material, buffers: &Buffers, notes: &mut Notes,
 fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
     let pbr = material.pbr_metallic_roughness();
     let smooth = pbr.roughness_factor() <= SMOOTH;
-    let glass = material
-        .transmission()
-        .is_some_and(|glass| glass.transmission_factor() >= 0.5);
+    let glass = material.transmission().is_some_and(|glass| glass.transmission_factor() >= 0.5);
     let metal = pbr.metallic_factor() >= 0.5;
     match (metal, glass, smooth) {
         (true, _, true) => return Lobe::Mirror { reflectance: base },
         (false, true, true) => {
-            let ior = material
-                .ior()
-                .filter(|ior| ior.is_finite() && *ior >= 1.0)
-                .unwrap_or(DEFAULT_IOR);
+            let ior = material.ior().filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(DEFAULT_IOR);
             return Lobe::Dielectric { ior, tint: base };
         }
         (true, ..) => notes.add("rough metal becomes diffuse, in material", name),
@@ -103,16 +92,12 @@ fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) ->
 /// Strength of a non-metal's reflection; 0 makes the material an exact Lambertian.
 fn specular_factor(material: &gltf::Material) -> f64 {
     let extension = material.extension_value("KHR_materials_specular");
-    extension
-        .and_then(|values| values.get("specularFactor")?.as_f64())
-        .unwrap_or(1.0)
+    extension.and_then(|values| values.get("specularFactor")?.as_f64()).unwrap_or(1.0)
 }
 
 fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
     let pbr = material.pbr_metallic_roughness();
-    let transmission = material
-        .transmission()
-        .is_some_and(|glass| glass.transmission_texture().is_some());
+    let transmission = material.transmission().is_some_and(|glass| glass.transmission_texture().is_some());
     let textures = [
         ("metal and roughness", pbr.metallic_roughness_texture().is_some()),
         ("normal", material.normal_texture().is_some()),

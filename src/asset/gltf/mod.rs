@@ -28,9 +28,7 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
     let gltf = validate::parse(&bytes).map_err(|flaw| AssetError::content(path, flaw))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = Import::default();
-    import
-        .document(&gltf, folder)
-        .map_err(|flaw| AssetError::content(path, flaw))?;
+    import.document(&gltf, folder).map_err(|flaw| AssetError::content(path, flaw))?;
     import.model.warnings = import.notes.into_lines(&path.display().to_string());
     Ok(import.model)
 }
@@ -52,9 +50,7 @@ impl Import {
     fn document(&mut self, gltf: &gltf::Gltf, folder: &Path) -> Result<(), Flaw> {
         let buffers = Buffers::read(gltf, folder)?;
         let notes = &mut self.notes;
-        let materials = gltf
-            .materials()
-            .map(|material| material::convert(&material, &buffers, notes));
+        let materials = gltf.materials().map(|material| material::convert(&material, &buffers, notes));
         self.model.materials = materials.collect();
         self.nodes(gltf, &buffers)?;
         for animation in gltf.animations() {
@@ -62,20 +58,15 @@ impl Import {
             self.notes.add("animation ignored, the rest pose is used", name);
         }
         if self.dropped > 0 {
-            self.notes.add(
-                "degenerate (zero-area) triangles dropped",
-                self.dropped.to_string(),
-            );
+            self.notes.add("degenerate (zero-area) triangles dropped", self.dropped.to_string());
         }
         Ok(())
     }
 
     /// Walks the default scene breadth first, so that parents come before their children.
     fn nodes(&mut self, gltf: &gltf::Gltf, buffers: &Buffers) -> Result<(), Flaw> {
-        let mut queue: VecDeque<_> = roots(gltf, &mut self.notes)
-            .into_iter()
-            .map(|node| (node, None))
-            .collect();
+        let mut queue: VecDeque<_> =
+            roots(gltf, &mut self.notes).into_iter().map(|node| (node, None)).collect();
         let mut seen = HashSet::new();
         while let Some((node, parent)) = queue.pop_front() {
             let name = name_of(&node);
@@ -102,21 +93,13 @@ impl Import {
             None => Vec::new(),
         };
         let lens = node.camera().and_then(|camera| match camera.projection() {
-            gltf::camera::Projection::Perspective(lens) => Some(Lens {
-                vertical_fov: lens.yfov().into(),
-            }),
+            gltf::camera::Projection::Perspective(lens) => Some(Lens { vertical_fov: lens.yfov().into() }),
             gltf::camera::Projection::Orthographic(_) => {
                 self.notes.add("orthographic cameras are ignored", &name);
                 None
             }
         });
-        Ok(Node {
-            to_parent: transform(node)?,
-            name,
-            parent,
-            parts,
-            lens,
-        })
+        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens })
     }
 
     fn note_ignored(&mut self, node: &gltf::Node, name: &str) {
@@ -143,9 +126,7 @@ impl Import {
         if let Some(parts) = self.parts.get(&mesh.index()) {
             return Ok(parts.clone());
         }
-        let name = mesh
-            .name()
-            .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
             let read = primitive::read(&primitive, buffers, &mut self.notes, &name)
@@ -153,10 +134,7 @@ impl Import {
             if let Some((triangles, dropped)) = read {
                 self.dropped += dropped;
                 let material = self.material_index(&primitive);
-                parts.push(Part {
-                    mesh: self.model.meshes.len(),
-                    material,
-                });
+                parts.push(Part { mesh: self.model.meshes.len(), material });
                 self.model.meshes.push(triangles);
             }
         }
@@ -179,26 +157,17 @@ impl Import {
 fn roots<'a>(gltf: &'a gltf::Gltf, notes: &mut Notes) -> Vec<gltf::Node<'a>> {
     if let Some(scene) = gltf.default_scene().or_else(|| gltf.scenes().next()) {
         for other in gltf.scenes().filter(|other| other.index() != scene.index()) {
-            notes.add(
-                "scenes other than the default one are ignored",
-                other.name().unwrap_or("unnamed"),
-            );
+            notes.add("scenes other than the default one are ignored", other.name().unwrap_or("unnamed"));
         }
         return scene.nodes().collect();
     }
-    let children: HashSet<usize> = gltf
-        .nodes()
-        .flat_map(|node| node.children())
-        .map(|child| child.index())
-        .collect();
-    gltf.nodes()
-        .filter(|node| !children.contains(&node.index()))
-        .collect()
+    let children: HashSet<usize> =
+        gltf.nodes().flat_map(|node| node.children()).map(|child| child.index()).collect();
+    gltf.nodes().filter(|node| !children.contains(&node.index())).collect()
 }
 
 fn name_of(node: &gltf::Node) -> String {
-    node.name()
-        .map_or_else(|| format!("node {}", node.index()), str::to_owned)
+    node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned)
 }
 
 /// Node space → parent space.
@@ -206,23 +175,13 @@ fn transform(node: &gltf::Node) -> Result<DAffine3, Flaw> {
     let to_parent = match node.transform() {
         gltf::scene::Transform::Matrix { matrix } => {
             let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
-            DAffine3 {
-                matrix3: DMat3::from_mat4(matrix),
-                translation: matrix.w_axis.truncate(),
-            }
+            DAffine3 { matrix3: DMat3::from_mat4(matrix), translation: matrix.w_axis.truncate() }
         }
-        gltf::scene::Transform::Decomposed {
-            translation,
-            rotation,
-            scale,
-        } => {
+        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
             let length = rotation.length();
             if !(length.is_finite() && length > 0.0) {
-                return Err(Flaw::new(
-                    "the rotation is not a quaternion",
-                    "export the file again",
-                ));
+                return Err(Flaw::new("the rotation is not a quaternion", "export the file again"));
             }
             DAffine3::from_scale_rotation_translation(
                 DVec3::from(scale.map(f64::from)),
@@ -234,10 +193,7 @@ fn transform(node: &gltf::Node) -> Result<DAffine3, Flaw> {
     if to_parent.is_finite() {
         Ok(to_parent)
     } else {
-        Err(Flaw::new(
-            "the transform is not finite",
-            "reset the node's transform and export again",
-        ))
+        Err(Flaw::new("the transform is not finite", "reset the node's transform and export again"))
     }
 }
 

@@ -16,22 +16,16 @@ pub(super) fn read(
     notes: &mut Notes,
     name: &str,
 ) -> Result<Option<(Mesh, usize)>, Flaw> {
-    if matches!(
-        primitive.mode(),
-        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip
-    ) {
+    if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         notes.add("points and lines have no surface and are ignored, in mesh", name);
         return Ok(None);
     }
     if primitive.morph_targets().len() > 0 {
         notes.add("shape keys (morph targets) are ignored, in mesh", name);
     }
-    let position = primitive.get(&Semantic::Positions).ok_or_else(|| {
-        Flaw::new(
-            "there are no positions",
-            "export the mesh with its vertex positions",
-        )
-    })?;
+    let position = primitive
+        .get(&Semantic::Positions)
+        .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
     let positions = read_vectors(&position, buffers)?;
     let mut normals = match primitive.get(&Semantic::Normals) {
         Some(accessor) => read_vectors(&accessor, buffers)?,
@@ -45,11 +39,7 @@ pub(super) fn read(
         Some(accessor) => read_indices(&accessor, buffers)?,
         None => (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect(),
     };
-    let mut mesh = Mesh {
-        positions,
-        normals,
-        triangles: triangles(primitive.mode(), &indices),
-    };
+    let mut mesh = Mesh { positions, normals, triangles: triangles(primitive.mode(), &indices) };
     let dropped = tidy(&mut mesh)?;
     Ok(Some((mesh, dropped)))
 }
@@ -58,14 +48,11 @@ pub(super) fn read(
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match (mode, indices) {
         (Mode::TriangleStrip, _) => {
-            let corners = indices
-                .windows(3)
-                .enumerate()
-                .filter_map(|(i, corners)| match *corners {
-                    [a, b, c] if i % 2 == 0 => Some([a, b, c]),
-                    [a, b, c] => Some([a, c, b]),
-                    _ => None,
-                });
+            let corners = indices.windows(3).enumerate().filter_map(|(i, corners)| match *corners {
+                [a, b, c] if i % 2 == 0 => Some([a, b, c]),
+                [a, b, c] => Some([a, c, b]),
+                _ => None,
+            });
             corners.collect()
         }
         (Mode::TriangleFan, [hub, rim @ ..]) => {
@@ -85,14 +72,8 @@ mod tests {
 
     #[test]
     fn strips_and_fans_keep_the_winding() {
-        assert_eq!(
-            triangles(Mode::TriangleStrip, &[0, 1, 2, 3]),
-            [[0, 1, 2], [1, 3, 2]]
-        );
-        assert_eq!(
-            triangles(Mode::TriangleFan, &[0, 1, 2, 3]),
-            [[1, 2, 0], [2, 3, 0]]
-        );
+        assert_eq!(triangles(Mode::TriangleStrip, &[0, 1, 2, 3]), [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(triangles(Mode::TriangleFan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
         assert_eq!(triangles(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
         assert_eq!(triangles(Mode::TriangleFan, &[]), Vec::<[u32; 3]>::new());
     }

@@ -118,10 +118,7 @@ fn sparse_values_replace_those_of_the_view() {
 fn bytes_and_missing_indices_work() {
     let bytes = json!({ "bufferView": 2, "componentType": 5121, "count": 4, "type": "SCALAR" });
     let message = load_json(&with("/accessors/1", bytes)).unwrap_err().to_string();
-    assert!(
-        message.contains("no triangle with an area is left of 2"),
-        "{message}"
-    );
+    assert!(message.contains("no triangle with an area is left of 2"), "{message}");
     let primitive = json!({ "attributes": { "POSITION": 0 }, "mode": 6 });
     let model = load_json(&with("/meshes/0/primitives/0", primitive)).unwrap();
     assert_eq!(model.meshes[0].triangles, [[1, 2, 0], [2, 3, 0]]);
@@ -131,10 +128,7 @@ fn bytes_and_missing_indices_work() {
 fn nodes_that_share_a_mesh_share_it_here() {
     let mut shared = document();
     shared["nodes"][0]["children"] = json!([1, 2]);
-    shared["nodes"]
-        .as_array_mut()
-        .unwrap()
-        .push(json!({ "mesh": 0, "translation": [1, 2, 3] }));
+    shared["nodes"].as_array_mut().unwrap().push(json!({ "mesh": 0, "translation": [1, 2, 3] }));
     let model = load_json(&shared).unwrap();
     assert_eq!(model.meshes.len(), 1);
     assert_eq!(model.nodes[0].parts, model.nodes[2].parts);
@@ -158,26 +152,12 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     ]);
     let model = load_json(&shiny).unwrap();
     let lobes: Vec<Lobe> = model.materials.iter().map(|material| material.lobe).collect();
-    assert_eq!(
-        lobes[0],
-        Lobe::Mirror {
-            reflectance: Vec3::new(0.9, 0.8, 0.7)
-        }
-    );
-    assert_eq!(
-        lobes[1],
-        Lobe::Dielectric {
-            ior: 1.45,
-            tint: Vec3::ONE
-        }
-    );
+    assert_eq!(lobes[0], Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) });
+    assert_eq!(lobes[1], Lobe::Dielectric { ior: 1.45, tint: Vec3::ONE });
     assert_eq!(model.materials[2].emission, Vec3::new(4.0, 2.0, 0.0));
     assert!(model.materials[2].emits_both_sides && !model.materials[0].emits_both_sides);
-    let warnings: Vec<&str> = model
-        .warnings
-        .iter()
-        .map(|line| line.split_once("gltf: ").unwrap().1)
-        .collect();
+    let warnings: Vec<&str> =
+        model.warnings.iter().map(|line| line.split_once("gltf: ").unwrap().1).collect();
     assert_eq!(
         warnings,
         [
@@ -191,38 +171,14 @@ fn materials_become_the_nearest_lobe_and_say_so() {
 fn malformed_files_are_errors_that_say_what_is_wrong() {
     let huge = json!(u64::MAX);
     for (pointer, value, expected) in [
-        (
-            "/meshes/0/primitives/0/attributes/POSITION",
-            json!(7),
-            "accessor 7, but there are 2",
-        ),
-        (
-            "/meshes/0/primitives/0/indices",
-            json!(0),
-            "accessor 0 does not hold indices",
-        ),
-        (
-            "/meshes/0/primitives/0/attributes/NORMAL",
-            json!(1),
-            "does not hold 3-vectors",
-        ),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(7), "accessor 7, but there are 2"),
+        ("/meshes/0/primitives/0/indices", json!(0), "accessor 0 does not hold indices"),
+        ("/meshes/0/primitives/0/attributes/NORMAL", json!(1), "does not hold 3-vectors"),
         ("/meshes/0/primitives/0/attributes", json!({}), "Missing data"),
         ("/accessors/0/count", json!(5), "reaches beyond its buffer view"),
-        (
-            "/accessors/0/count",
-            huge.clone(),
-            "reaches beyond its buffer view",
-        ),
-        (
-            "/accessors/0/count",
-            json!(3),
-            "vertex index 3 is out of range: there are 3 vertices",
-        ),
-        (
-            "/accessors/0/byteOffset",
-            huge.clone(),
-            "reaches beyond its buffer view",
-        ),
+        ("/accessors/0/count", huge.clone(), "reaches beyond its buffer view"),
+        ("/accessors/0/count", json!(3), "vertex index 3 is out of range: there are 3 vertices"),
+        ("/accessors/0/byteOffset", huge.clone(), "reaches beyond its buffer view"),
         ("/accessors/0/componentType", json!(1), "Invalid value"),
         ("/accessors/0/bufferView", json!(9), "Index out of bounds"),
         ("/bufferViews/0/byteLength", huge, "reaches beyond its buffer"),
@@ -233,11 +189,7 @@ fn malformed_files_are_errors_that_say_what_is_wrong() {
         ("/nodes/0/children", json!([0]), "reached twice"),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "not a quaternion"),
         ("/nodes/0/translation", json!([1e300, 0, 0]), "not finite"),
-        (
-            "/extensionsRequired",
-            json!(["KHR_draco_mesh_compression"]),
-            "KHR_draco_mesh_compression",
-        ),
+        ("/extensionsRequired", json!(["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
     ] {
         match load_json(&with(pointer, value.clone())) {
             Ok(_) => panic!("{pointer} = {value} is accepted"),
@@ -257,14 +209,8 @@ fn vertices_that_are_not_finite_are_errors() {
         let mut bytes = buffer();
         bytes[12..16].copy_from_slice(&value.to_le_bytes());
         std::fs::write(files.folder.path().join("the buffer.bin"), bytes).unwrap();
-        let message = files
-            .load(document().to_string().as_bytes())
-            .unwrap_err()
-            .to_string();
-        assert!(
-            message.contains("primitive 0: vertex 1 is not finite"),
-            "{message}"
-        );
+        let message = files.load(document().to_string().as_bytes()).unwrap_err().to_string();
+        assert!(message.contains("primitive 0: vertex 1 is not finite"), "{message}");
     }
 }
 

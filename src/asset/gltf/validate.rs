@@ -9,12 +9,8 @@ use crate::asset::error::Flaw;
 const GLB_HEADER: usize = 12;
 
 /// Required extensions without which the geometry is still known.
-const HARMLESS: [&str; 4] = [
-    "KHR_lights_punctual",
-    "EXT_mesh_gpu_instancing",
-    "KHR_mesh_quantization",
-    "KHR_node_visibility",
-];
+const HARMLESS: [&str; 4] =
+    ["KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "KHR_node_visibility"];
 /// Families of such extensions.
 const HARMLESS_PREFIXES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
 
@@ -33,10 +29,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<gltf::Gltf, Flaw> {
     root.validate(root, JsonPath::new, &mut |path, error| {
         let path = path();
         if first.is_none() && !tolerated(path.as_str(), error) {
-            first = Some(Flaw::new(
-                format!("{error} at `{path}`"),
-                "the file is damaged; export it again",
-            ));
+            first = Some(Flaw::new(format!("{error} at `{path}`"), "the file is damaged; export it again"));
         }
     });
     first.map_or(Ok(gltf), Err)
@@ -52,20 +45,14 @@ fn check_glb_header(bytes: &[u8]) -> Result<(), Flaw> {
     if !bytes.starts_with(b"glTF") {
         return Ok(());
     }
-    let length = bytes
-        .get(8..GLB_HEADER)
-        .and_then(|field| field.try_into().ok())
-        .map(u32::from_le_bytes);
+    let length = bytes.get(8..GLB_HEADER).and_then(|field| field.try_into().ok()).map(u32::from_le_bytes);
     let complete = length.is_some_and(|length| {
         let length = length as usize;
         length >= GLB_HEADER && length <= bytes.len()
     });
     complete.then_some(()).ok_or_else(|| {
         Flaw::new(
-            format!(
-                "the file is cut off: it has {} bytes and its header promises more",
-                bytes.len()
-            ),
+            format!("the file is cut off: it has {} bytes and its header promises more", bytes.len()),
             "copy or export the file again",
         )
     })
@@ -87,10 +74,7 @@ fn check_extensions(root: &Root) -> Result<(), Flaw> {
 /// The crate's validation looks up position accessors before it has checked their index.
 fn check_positions(root: &Root) -> Result<(), Flaw> {
     for (index, mesh) in root.meshes.iter().enumerate() {
-        let mut accessors = mesh
-            .primitives
-            .iter()
-            .flat_map(|primitive| primitive.attributes.values());
+        let mut accessors = mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values());
         if let Some(accessor) = accessors.find(|accessor| accessor.value() >= root.accessors.len()) {
             return Err(Flaw::new(
                 format!(
