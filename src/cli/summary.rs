@@ -53,7 +53,7 @@ fn rays(count: u64, all: u64) -> String {
 mod tests {
     use super::*;
     use crate::film::Image;
-    use crate::trace::Stats;
+    use crate::trace::{Counters, Stats};
 
     fn rendered(fates: Fates) -> Rendered {
         let image = Image {
@@ -64,7 +64,8 @@ mod tests {
             planes: Vec::new(),
             attributes: Vec::new(),
         };
-        let stats = Stats { seconds: 2.0, paths: 3_000_000, rays: 8_000_000, fates, ..Stats::default() };
+        let counters = Counters { paths: 3_000_000, rays: 8_000_000, fates, ..Counters::default() };
+        let stats = Stats { seconds: 2.0, counters, ..Stats::default() };
         Rendered { image, spp: 8, stats }
     }
 

@@ -55,7 +55,11 @@ impl Dense {
             if !next.is_finite() {
                 return guess;
             }
+            let moved = (next - s).abs();
             s = next.clamp(0.0, 1.0);
+            if moved < 1e-6 {
+                break;
+            }
         }
         s
     }

@@ -5,9 +5,13 @@ mod control;
 mod dense;
 mod rk4_paper;
 mod rkn4;
+mod rkn5;
+mod stepper;
 
 pub use arc::{Arc, fit_arc};
-pub use control::Control;
+pub use control::{Control, Verdict};
 pub use dense::Dense;
 pub use rk4_paper::PaperRk4;
-pub use rkn4::{Step, rkn4};
+pub use rkn4::Rkn4;
+pub use rkn5::Rkn5;
+pub use stepper::{Step, Stepper};

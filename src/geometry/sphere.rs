@@ -46,7 +46,7 @@ pub fn cross_arc(arc: &Arc, sphere: &Sphere, leaves: bool) -> Option<f64> {
     // root exactly.
     let r2 = if leaves { a.length_squared() } else { sphere.radius * sphere.radius };
     let end = c.length_squared() - r2;
-    let middle = (a.dot(c) - r2 + 2.0 * w * w * (b.length_squared() - r2)) / 3.0;
+    let middle = (a.dot(c) - r2 + 2.0 * w * w * (b.length_squared() - r2)) * (1.0 / 3.0);
     let second = w * (b.dot(c) - r2);
     if leaves {
         // Divided by s: degree 3.

@@ -8,9 +8,16 @@
 ///
 /// A root of even multiplicity (a touch without crossing) may be missed. Descartes' rule in Bernstein form: no sign
 /// variation, no root; one variation, one root; else subdivide.
+#[inline(always)]
 pub fn first_sign_change<const N: usize>(c: [f64; N]) -> Option<f64> {
+    let above = c.iter().filter(|&&value| positive(value)).count();
+    if above == 0 || above == N { None } else { isolate(c) }
+}
+
+/// The search proper: rare enough beside misses to be kept out of line.
+#[inline(never)]
+fn isolate<const N: usize>(c: [f64; N]) -> Option<f64> {
     match variations(&c) {
-        0 => None,
         1 => Some(bracketed_root(&c)),
         _ => subdivided(c),
     }

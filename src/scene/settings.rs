@@ -18,6 +18,8 @@ pub enum Filter {
 pub enum StepperKind {
     /// Nyström, order 4, with error control.
     Rkn4,
+    /// Nyström, order 5, with error control: fewer steps for the same error.
+    Rkn5,
     /// The paper's scheme: RK4 on its equations (7), (8) with the step rule of its Algorithm 2.
     Rk4Paper,
 }
@@ -86,7 +88,7 @@ impl Default for Settings {
             max_depth: 16,
             roulette_depth: 5,
             seed: 0,
-            stepper: StepperKind::Rkn4,
+            stepper: StepperKind::Rkn5,
             schedule: Schedule::Wavefront,
             sampler: SamplerKind::Sobol,
             tolerance: 1e-5,

@@ -4,14 +4,16 @@ use glam::DVec3;
 
 use super::columns::columns;
 use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
-use crate::geodesic::{Arc, Control, Dense, Step, rkn4};
+use crate::geodesic::{Arc, Control, Dense, Step, Stepper, Verdict};
 use crate::geometry::{Geometry, Line, PrimitiveId};
 use crate::spacetime::{Chart, ConformallyFlat, Stop};
 
 /// Rays of a static, spherically symmetric spacetime.
-pub struct Curved<M> {
+pub struct Curved<M, S> {
     /// The spacetime.
     pub medium: M,
+    /// The method of integration.
+    pub stepper: S,
     /// World position of its centre.
     pub center: DVec3,
     /// Where rays may stop.
@@ -67,7 +69,7 @@ const MAX_STEPS: u32 = 10_000;
 /// Most times that an arc is halved for the search.
 const MAX_HALVINGS: u32 = 8;
 
-impl<M: ConformallyFlat> Curved<M> {
+impl<M: ConformallyFlat, S: Stepper> Curved<M, S> {
     fn step(&self, flight: &CurvedFlight, step: &CurvedMove) -> Step {
         Step {
             start: [flight.position, flight.momentum, flight.force],
@@ -102,11 +104,14 @@ impl<M: ConformallyFlat> Curved<M> {
         let mut s = start;
         for _ in 0..4 {
             let (height, normal) = at(s);
-            s -= height / normal.dot(dense.velocity(s));
+            let shift = height / normal.dot(dense.velocity(s));
+            s -= shift;
+            // Quadratic convergence: what is left is the square of this.
+            if shift.abs() < 1e-7 {
+                break;
+            }
         }
-        let polished = dense.position(s) + self.center;
-        let (height, normal) = at(s);
-        let position = polished - height * normal;
+        let position = dense.position(s) + self.center;
         let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.control.arc_tolerance;
         let clear = near
             && geometry.covers(primitive, position)
@@ -116,7 +121,7 @@ impl<M: ConformallyFlat> Curved<M> {
     }
 }
 
-impl<M: ConformallyFlat> Transport for Curved<M> {
+impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
     type Flights = CurvedFlights;
     type Moves = CurvedMoves;
     type Segment = Arc;
@@ -128,7 +133,7 @@ impl<M: ConformallyFlat> Transport for Curved<M> {
             position: x,
             momentum,
             force: self.medium.force(x),
-            h: self.control.first_step(&self.medium, x, momentum),
+            h: self.control.first_step(&self.stepper, &self.medium, x, momentum),
             leaves,
             steps: 0,
         }
@@ -136,18 +141,11 @@ impl<M: ConformallyFlat> Transport for Curved<M> {
 
     #[inline(always)]
     fn advance(&self, flight: &CurvedFlight) -> CurvedMove {
-        let step = rkn4(&self.medium, [flight.position, flight.momentum, flight.force], flight.h);
-        let (arc, error, next_h) = self.control.judge(&step);
+        let step =
+            self.stepper.step(&self.medium, [flight.position, flight.momentum, flight.force], flight.h);
+        let Verdict { arc, accepted, next_h } = self.control.judge(&step);
         let [position, momentum, force] = step.end;
-        CurvedMove {
-            position,
-            momentum,
-            force,
-            middle: arc.p1,
-            weight: arc.w,
-            next_h,
-            accepted: error <= 1.0,
-        }
+        CurvedMove { position, momentum, force, middle: arc.p1, weight: arc.w, next_h, accepted }
     }
 
     #[inline(always)]

@@ -21,13 +21,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::geodesic::Control;
+use crate::geodesic::{Control, Rkn4, Rkn5, Stepper};
 use crate::scene::{Baked, SamplerKind, Schedule, SpacetimeKind, StepperKind};
 use crate::shade::Sampler;
-use crate::spacetime::{Chart, Schwarzschild};
+use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::Curved;
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
@@ -104,18 +105,32 @@ pub fn render(
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
     let chart = Chart::new(&medium, nearest, farthest, TAIL * settings.tolerance);
+    let hole = Hole { medium, center, chart };
     match settings.stepper {
         StepperKind::Rk4Paper => renderer.render(&PaperMarch { medium, center, chart }),
-        StepperKind::Rkn4 => {
-            let arc_tolerance = scene.arc_tolerance();
-            renderer.render(&Curved {
-                medium,
-                center,
-                chart,
-                control: Control { tolerance: settings.tolerance, arc_tolerance },
-                longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
-                bounds: scene.geometry.bounds().unwrap_or((glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY)),
-            })
+        StepperKind::Rkn4 => renderer.render(&hole.curved(scene, Rkn4)),
+        StepperKind::Rkn5 => renderer.render(&hole.curved(scene, Rkn5)),
+    }
+}
+
+/// A spacetime in its place.
+struct Hole<M> {
+    medium: M,
+    center: DVec3,
+    chart: Chart,
+}
+
+impl<M: ConformallyFlat> Hole<M> {
+    fn curved<S: Stepper>(&self, scene: &Baked, stepper: S) -> Curved<M, S> {
+        let arc_tolerance = scene.arc_tolerance();
+        Curved {
+            medium: self.medium,
+            stepper,
+            center: self.center,
+            chart: self.chart,
+            control: Control { tolerance: scene.settings.tolerance, arc_tolerance },
+            longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
+            bounds: scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY)),
         }
     }
 }
