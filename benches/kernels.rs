@@ -1,19 +1,22 @@
 //! Micro-benchmarks of the kernels, one core: `cargo bench`, or `cargo bench -- search` for a part.
 //!
 //! `search` measures the choice of hierarchy: the engine's own walk over a binary BVH, which widens every box by the
-//! sagitta of the arc at hand, against obvhs's eight-wide `CwBvh`, whose boxes must be inflated by the largest sagitta
-//! when they are built. Both test the same f64 primitives and are first checked to find the same hits.
+//! sagitta of the arc at hand, against obvhs's own traversals of its eight-wide `CwBvh` and of its `Bvh2`, whose boxes
+//! must be inflated by the largest sagitta when they are built. All test the same f64 primitives; how many hits each
+//! finds is printed first, and the numbers must agree.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::Duration;
 
+use divan::Bencher;
 use divan::counter::ItemsCount;
-use divan::{Bencher, main as run_benches};
 use glam::{DAffine3, DVec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
@@ -32,9 +35,8 @@ const HOLE: f64 = 0.2;
 const CONTROL: Control = Control { tolerance: 1e-5, arc_tolerance: 1e-4 };
 
 fn main() {
-    let bench = BENCH_SCENE.describe();
-    println!("{bench}");
-    run_benches();
+    println!("{}", BENCH_SCENE.describe());
+    divan::main();
 }
 
 fn random() -> Xoshiro256PlusPlus {
@@ -178,7 +180,17 @@ mod search {
 
     #[divan::bench]
     fn arcs_cwbvh_inflated(bencher: Bencher) {
-        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.inflated.find(arc));
+        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.wide_inflated.find(arc));
+    }
+
+    #[divan::bench]
+    fn arcs_bvh2_inflated(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.binary_inflated.find(arc));
+    }
+
+    #[divan::bench]
+    fn rays_bvh2(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.binary.find(line));
     }
 
     #[divan::bench]
@@ -188,20 +200,22 @@ mod search {
 
     #[divan::bench]
     fn rays_cwbvh(bencher: Bencher) {
-        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.plain.find(line));
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.wide.find(line));
     }
 
     #[divan::bench]
     fn rays_cwbvh_inflated(bencher: Bencher) {
-        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.inflated.find(line));
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.wide_inflated.find(line));
     }
 }
 
 /// What is searched, and for what.
 struct BenchScene {
     geometry: Geometry,
-    plain: Wide,
-    inflated: Wide,
+    wide: Theirs<CwBvh>,
+    wide_inflated: Theirs<CwBvh>,
+    binary: Theirs<Bvh2>,
+    binary_inflated: Theirs<Bvh2>,
     arcs: Vec<Arc>,
     lines: Vec<Line>,
 }
@@ -224,8 +238,10 @@ static BENCH_SCENE: LazyLock<BenchScene> = LazyLock::new(|| {
     let arcs = marched_arcs(thickest, geometry.bounds().unwrap_or_default());
     let line = |(start, direction)| Line { p0: start, p2: start + 6.0 * direction };
     BenchScene {
-        plain: Wide::build(&triangles, 0.0),
-        inflated: Wide::build(&triangles, thickest),
+        wide: Theirs::build(&triangles, 0.0),
+        wide_inflated: Theirs::build(&triangles, thickest),
+        binary: Theirs::build(&triangles, 0.0),
+        binary_inflated: Theirs::build(&triangles, thickest),
         lines: rays(ITEMS).into_iter().map(line).collect(),
         arcs,
         geometry,
@@ -242,15 +258,17 @@ impl BenchScene {
         let hits = |found: &mut dyn Iterator<Item = Option<f64>>| found.flatten().count();
         let arcs = [
             hits(&mut self.arcs.iter().map(|arc| self.walk(arc))),
-            hits(&mut self.arcs.iter().map(|arc| self.inflated.find(arc))),
+            hits(&mut self.arcs.iter().map(|arc| self.wide_inflated.find(arc))),
+            hits(&mut self.arcs.iter().map(|arc| self.binary_inflated.find(arc))),
         ];
         let lines = [
             hits(&mut self.lines.iter().map(|line| self.walk(line))),
-            hits(&mut self.lines.iter().map(|line| self.plain.find(line))),
+            hits(&mut self.lines.iter().map(|line| self.wide.find(line))),
+            hits(&mut self.lines.iter().map(|line| self.binary.find(line))),
         ];
         let length: f64 = self.arcs.iter().map(|arc| arc.p0.distance(arc.p2)).sum();
         format!(
-            "{} triangles; {} arcs of mean length {:.3}: {arcs:?} hits; {} rays: {lines:?} hits (thick walk, CWBVH)",
+            "{} triangles; {} arcs of mean length {:.3}: {arcs:?} hits; {} rays: {lines:?} hits (thick walk, CwBvh, Bvh2)",
             self.geometry.counts().triangles,
             self.arcs.len(),
             length / self.arcs.len() as f64,
@@ -259,24 +277,59 @@ impl BenchScene {
     }
 }
 
-/// obvhs's eight-wide hierarchy with triangles in leaf order.
-struct Wide {
-    tree: CwBvh,
+/// A hierarchy of obvhs with its own traversal.
+trait Hierarchy {
+    fn build(boxes: &[Aabb]) -> Self;
+    /// Box index of each leaf slot.
+    fn order(&self) -> &[u32];
+    fn search(&self, ray: Ray, leaf: impl FnMut(usize) -> f32);
+}
+
+impl Hierarchy for CwBvh {
+    fn build(boxes: &[Aabb]) -> Self {
+        build_cwbvh(boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+    }
+
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+
+    fn search(&self, ray: Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, slot| leaf(slot));
+    }
+}
+
+impl Hierarchy for Bvh2 {
+    fn build(boxes: &[Aabb]) -> Self {
+        build_bvh2(boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+    }
+
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+
+    fn search(&self, ray: Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, slot| leaf(slot));
+    }
+}
+
+/// Triangles in the leaf order of a hierarchy of obvhs.
+struct Theirs<T> {
+    tree: T,
     triangles: Vec<Triangle>,
 }
 
-/// Its node test loses hits nearer than 1e-4, so a segment starts this much earlier.
+/// The node test of `CwBvh` loses hits nearer than 1e-4, so a segment starts this much earlier.
 const LEAD: f64 = 2e-4;
 
-impl Wide {
+impl<T: Hierarchy> Theirs<T> {
     fn build(triangles: &[Triangle], inflation: f64) -> Self {
         let boxed = |triangle: &Triangle| {
             let (min, max) = triangle.bounds();
             Aabb::new((min - inflation).as_vec3a(), (max + inflation).as_vec3a())
         };
-        let boxes: Vec<Aabb> = triangles.iter().map(boxed).collect();
-        let tree = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let triangles = tree.primitive_indices.iter().map(|&index| triangles[index as usize]).collect();
+        let tree = T::build(&triangles.iter().map(boxed).collect::<Vec<_>>());
+        let triangles = tree.order().iter().map(|&index| triangles[index as usize]).collect();
         Self { tree, triangles }
     }
 
@@ -286,11 +339,11 @@ impl Wide {
         let length = along.length();
         let direction = along / length;
         let start = chord.start - LEAD * direction;
-        // Past the end as well: a hit just before it may lie behind the chord's end when seen along the chord.
+        // A little past the end as well: a hit at exactly the ray's end is missed.
         let range = (LEAD as f32, (length + 2.0 * LEAD) as f32);
         let ray = Ray::new(start.as_vec3a(), direction.as_vec3a(), range.0, range.1);
         let mut nearest: Option<f64> = None;
-        self.tree.ray_traverse(ray, &mut RayHit::none(), |_, slot| {
+        self.tree.search(ray, |slot| {
             let Some(s) = segment.cross_triangle(&self.triangles[slot], false) else { return f32::INFINITY };
             nearest = Some(nearest.map_or(s, |best| best.min(s)));
             (segment.point(s) - start).dot(direction) as f32
