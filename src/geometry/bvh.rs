@@ -194,3 +194,100 @@ impl ThickRay {
         self.length = self.length.min(distance as f32 * (1.0 + SLAB_ERROR));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `count` boxes in a row along x, of half-width `half`.
+    fn row(count: usize, half: f64) -> Bvh {
+        let place = |i: usize| DVec3::new(3.0 * i as f64, 0.0, 0.0);
+        Bvh::build((0..count).map(|i| (place(i) - half, place(i) + half)))
+    }
+
+    #[test]
+    fn hierarchies_of_any_size_find_every_box_along_a_line_and_no_other() {
+        for count in (0..40).chain([100, 1000]) {
+            let bvh = row(count, 1.0);
+            assert_eq!(bvh.bounds().is_some(), count > 0);
+            let along =
+                Chord { start: DVec3::new(-5.0, 0.1, 0.2), end: DVec3::new(1e4, 0.1, 0.2), sagitta: 0.0 };
+            let mut met: Vec<u32> = Vec::new();
+            bvh.walk(&along, |slot| {
+                met.push(bvh.order()[slot]);
+                f64::INFINITY
+            });
+            met.sort_unstable();
+            assert_eq!(met, (0..count as u32).collect::<Vec<_>>(), "{count} boxes");
+            let beside =
+                Chord { start: DVec3::new(-5.0, 1.1, 0.2), end: DVec3::new(1e4, 1.1, 0.2), sagitta: 0.05 };
+            bvh.walk(&beside, |slot| panic!("{count} boxes: slot {slot} is not on the way"));
+        }
+    }
+
+    #[test]
+    fn a_thick_ray_meets_what_its_sagitta_reaches() {
+        let bvh = row(9, 1.0);
+        let mut met = 0;
+        let beside =
+            Chord { start: DVec3::new(-5.0, 1.1, 0.2), end: DVec3::new(100.0, 1.1, 0.2), sagitta: 0.11 };
+        bvh.walk(&beside, |_| {
+            met += 1;
+            f64::INFINITY
+        });
+        assert_eq!(met, 9);
+    }
+
+    #[test]
+    fn boxes_in_one_place_are_all_found() {
+        let bvh = Bvh::build((0..5000).map(|_| (DVec3::splat(-1.0), DVec3::splat(1.0))));
+        let mut met = 0;
+        bvh.walk(&Chord { start: DVec3::splat(-3.0), end: DVec3::splat(3.0), sagitta: 0.0 }, |_| {
+            met += 1;
+            f64::INFINITY
+        });
+        assert_eq!(met, 5000);
+    }
+
+    /// Whether the chord, thickened, meets a box: the slab test in f64.
+    fn meets(chord: &Chord, (min, max): (DVec3, DVec3)) -> bool {
+        let along = chord.end - chord.start;
+        let (a, b) =
+            ((min - chord.sagitta - chord.start) / along, (max + chord.sagitta - chord.start) / along);
+        a.min(b).max_element().max(0.0) <= a.max(b).min_element().min(1.0)
+    }
+
+    #[test]
+    fn what_a_thick_ray_meets_in_f64_is_never_culled() {
+        let mut state = 7u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut point = move |scale: f64| scale * (2.0 * DVec3::new(random(), random(), random()) - 1.0);
+        for count in [1, 2, 5, 9, 30, 500] {
+            let boxes: Vec<_> = (0..count)
+                .map(|i| {
+                    let (center, half) = (point(1.0), point(if i % 5 == 0 { 0.8 } else { 0.1 }).abs());
+                    (center - half, center + half)
+                })
+                .collect();
+            let bvh = Bvh::build(boxes.iter().copied());
+            for i in 0..2000 {
+                let chord = Chord {
+                    start: point(1.5),
+                    end: point(1.5),
+                    sagitta: point(0.5).x.abs() * (i % 3) as f64,
+                };
+                let mut met = vec![false; count];
+                bvh.walk(&chord, |slot| {
+                    met[bvh.order()[slot] as usize] = true;
+                    f64::INFINITY
+                });
+                for (index, &bounds) in boxes.iter().enumerate() {
+                    assert!(met[index] || !meets(&chord, bounds), "{chord:?} misses {bounds:?} of {count}");
+                }
+            }
+        }
+    }
+}
