@@ -86,3 +86,15 @@ pub trait Transport: Sync {
 pub type Flight<T> = <<T as Transport>::Flights as Columns>::Row;
 /// One move of a ray.
 pub type Move<T> = <<T as Transport>::Moves as Columns>::Row;
+
+/// Something to be done with whichever transport a scene calls for.
+pub trait Errand {
+    /// What it gives.
+    type Output;
+
+    /// Does it.
+    fn run<T: Transport>(self, transport: &T) -> Self::Output
+    where
+        T::Flights: Send,
+        T::Moves: Send;
+}
