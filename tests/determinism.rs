@@ -15,7 +15,8 @@ const SMALL: [&str; 3] = ["film.width=48", "film.height=36", "render.spp=4"];
 fn scenes() -> Vec<PathBuf> {
     let entries = std::fs::read_dir(scene_path("")).expect("scenes");
     let paths = entries.map(|entry| entry.expect("entry").path());
-    let mut scenes: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    let mut scenes: Vec<PathBuf> =
+        paths.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
     scenes.sort();
     assert!(scenes.len() >= 9, "{scenes:?}");
     scenes

@@ -7,8 +7,8 @@ use glam::DVec3;
 use warpfront::scene::Baked;
 use warpfront::trace::Run;
 
-/// Paths of any length, and none ended by roulette: no noise is left.
-const WHOLE_PATHS: &str = "[render]\nspp = 16\nmax_depth = 4096\nroulette_depth = 4096\n";
+/// Long paths, and none ended by roulette: no noise is left.
+const WHOLE_PATHS: &str = "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\n";
 
 fn assert_uniform(scene: &Baked, expected: f64, tolerance: f64) {
     let (low, high) = red_range(&render(scene, &Run::default()));
@@ -23,7 +23,7 @@ fn assert_uniform(scene: &Baked, expected: f64, tolerance: f64) {
 fn furnace(before: &str, render: &str, albedo: f64, emission: f64, inside: &str) -> Baked {
     let text = before.to_owned()
         + &camera(DVec3::new(1.2, 0.3, -1.7), DVec3::ZERO, 100.0)
-        + &film(24, 24)
+        + &film(16, 16)
         + render
         + &material("wall", albedo, emission)
         + inside
@@ -39,7 +39,7 @@ fn a_room_of_albedo_and_emission_one_half_has_radiance_one_everywhere() {
 
 #[test]
 fn russian_roulette_keeps_the_mean_of_a_furnace() {
-    let scene = furnace("", "[render]\nspp = 64\nmax_depth = 4096\nroulette_depth = 2\n", 0.5, 0.5, "");
+    let scene = furnace("", "[render]\nspp = 256\nmax_depth = 400\nroulette_depth = 2\n", 0.5, 0.5, "");
     let mean = common::mean_red(&render(&scene, &Run::default()));
     println!("{mean}");
     assert!((mean - 1.0).abs() < 2e-3, "{mean}");
@@ -50,8 +50,8 @@ fn furnaces_have_the_radiance_of_every_row_of_the_table() {
     let mut count = 0;
     for row in table("flat.csv").iter().filter(|row| row.text("kind") == "furnace") {
         let (albedo, reflections) = (row.number("param1"), row.number("param2"));
-        let depth = if reflections < 0.0 { 4096 } else { reflections as u32 + 1 };
-        let render = format!("[render]\nspp = 4\nmax_depth = {depth}\nroulette_depth = 4096\n");
+        let depth = if reflections < 0.0 { 400 } else { reflections as u32 + 1 };
+        let render = format!("[render]\nspp = 1\nmax_depth = {depth}\nroulette_depth = 400\n");
         assert_uniform(&furnace("", &render, albedo, 1.0, ""), row.number("value"), 1e-5);
         count += 1;
     }

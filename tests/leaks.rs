@@ -224,7 +224,8 @@ fn no_ray_that_leaves_a_bumpy_mesh_hits_it_at_its_start() {
             + &material("white", 1.0, 0.0)
             + &common::mesh("room.obj", DVec3::ZERO, "white");
         let scene = scene_with(&text, &[("room.obj", &bumpy_room(24, 10.0))]);
-        let (at_start, on_it) = returns(&scene, DVec3::new(3.0, 0.0, 0.0), DVec3::new(9.0, 1.0, 2.0), 2.0, 100_000);
+        let (at_start, on_it) =
+            returns(&scene, DVec3::new(3.0, 0.0, 0.0), DVec3::new(9.0, 1.0, 2.0), 2.0, 100_000);
         println!("{at_start} at the start, {on_it} on what was left");
         assert_eq!(at_start, 0, "of {on_it} on what was left");
     }

@@ -124,13 +124,19 @@ fn to_the_sphere(scene: &Baked, case: &Case, center: DVec3) -> Shot {
 }
 
 /// What is wrong with an end, if anything; the errors relative to what is allowed go to `worst`.
-fn fault(case: &Case, setup: &Setup, end: Outcome<std::convert::Infallible>, worst: &mut f64) -> Option<String> {
+fn fault(
+    case: &Case,
+    setup: &Setup,
+    end: Outcome<std::convert::Infallible>,
+    worst: &mut f64,
+) -> Option<String> {
     let Case { name, .. } = case;
     match (end, case.exit) {
         (Outcome::Captured, None) => None,
         (Outcome::Landed(landing), Some((position, direction))) => {
             let off = (landing.position - setup.center(case)).distance(position);
-            let turned = landing.direction.angle_between(direction).min(landing.direction.distance(direction));
+            let turned =
+                landing.direction.angle_between(direction).min(landing.direction.distance(direction));
             let share = (off / setup.end_distance(case)).max(turned / setup.end_angle(case));
             *worst = worst.max(share);
             (share > 1.0).then(|| {
@@ -181,7 +187,10 @@ fn check_quads(setup: Setup, undecided: usize) {
         let place = position + setup.center(case);
         let scene = setup.scene(case, &mesh("quad.obj", place, "black"), &[("quad.obj", &quad)]);
         let start = case.start + setup.center(case);
-        Some(shoot(&scene, &[Ray { position: start, direction: case.direction, leaves: PrimitiveId::NONE }])[0])
+        Some(
+            shoot(&scene, &[Ray { position: start, direction: case.direction, leaves: PrimitiveId::NONE }])
+                [0],
+        )
     });
 }
 
