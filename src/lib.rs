@@ -40,3 +40,8 @@ pub mod scene;
 pub mod shade;
 pub mod spacetime;
 pub mod trace;
+
+/// The README, whose Rust blocks are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}

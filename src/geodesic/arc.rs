@@ -81,16 +81,22 @@ pub fn fit_arc(step: &Step) -> (Arc, f64) {
     let w2 = (w0 * w1).sqrt();
     let bent = turn > SMALL_TURN;
     let meets = c > 0.0 && to_start > 0.0 && to_end > 0.0 && w2.is_finite() && w2 > 0.0;
-    if bent && meets {
-        let p1 = 0.5 * (x0 + to_start * t0 + x1 - to_end * t1);
-        // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
-        let mismatch = (k0 * (w0 / w2 - 1.0)).abs().max((k1 * (w1 / w2 - 1.0)).abs());
-        return (Arc { p0: x0, p1, p2: x1, w: w2.sqrt() }, 0.009 * mismatch * chord.length_squared());
-    }
+    let conic = bent && meets;
+    // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
+    let mismatch = (k0 * (w0 / w2 - 1.0)).abs().max((k1 * (w1 / w2 - 1.0)).abs());
+    let conic_error = 0.009 * mismatch * chord.length_squared();
     let (v0, v1) = (step.h * p0, step.h * p1);
     let skew = v0 + v1 - 2.0 * chord;
-    let aside = skew - skew.dot(t0) * t0;
-    let arc = Arc { p0: x0, p1: 0.5 * (x0 + x1) + 0.25 * (v0 - v1), p2: x1, w: 1.0 };
     // The cubic part s(1−s)(1−2s)/2 of the Hermite interpolant is at most 0.0481.
-    (arc, if bent { f64::INFINITY } else { 0.0481 * aside.length() })
+    let parabola_error = if bent { f64::INFINITY } else { 0.0481 * (skew - skew.dot(t0) * t0).length() };
+    // Both are computed and one is chosen, so that lanes can run side by side.
+    let tangents_meet = 0.5 * (x0 + to_start * t0 + x1 - to_end * t1);
+    let parabola = 0.5 * (x0 + x1) + 0.25 * (v0 - v1);
+    let pick = |a: f64, b: f64| if conic { a } else { b };
+    let middle = DVec3::new(
+        pick(tangents_meet.x, parabola.x),
+        pick(tangents_meet.y, parabola.y),
+        pick(tangents_meet.z, parabola.z),
+    );
+    (Arc { p0: x0, p1: middle, p2: x1, w: pick(w2.sqrt(), 1.0) }, pick(conic_error, parabola_error))
 }

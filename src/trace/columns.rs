@@ -1,93 +1,117 @@
 //! Structure-of-arrays storage: one declaration per column set.
 //!
-//! `columns!` turns a plain struct into a set of parallel columns. Every routine is generated from the same list of
-//! fields, so that no column can be forgotten.
+//! `columns!` turns a plain struct into columns. Every routine is generated from the same list of fields, so that no
+//! column can be forgotten. Columns are cut into blocks of [`LANES`] lanes: a block of a field fills whole cache lines
+//! and vector registers, a row stays within a few neighbouring lines, and one bounds check serves all its fields.
 
 use glam::{DVec3, Vec3};
 
 use crate::geometry::PrimitiveId;
 use crate::shade::Media;
 
-/// Storage of one field for many lanes; vectors are stored by component.
-pub trait Column<T> {
-    /// Value of a lane.
-    fn get(&self, lane: usize) -> T;
-    /// Overwrites a lane.
-    fn set(&mut self, lane: usize, value: T);
-    /// Grows or shrinks to `lanes`, new lanes hold `fill`.
-    fn resize(&mut self, lanes: usize, fill: T);
-}
+/// Lanes of a block: a cache line of f64.
+pub const LANES: usize = 8;
 
-/// A field type that knows its storage.
+/// A field type that knows how a block of it is stored; vectors are stored by component.
 pub trait Field: Copy + Default {
-    /// Its column.
-    type Storage: Column<Self> + Default;
+    /// One block.
+    type Block: Copy + Default;
+    /// Value of a lane below [`LANES`].
+    fn get(block: &Self::Block, lane: usize) -> Self;
+    /// Overwrites a lane below [`LANES`].
+    fn set(block: &mut Self::Block, lane: usize, value: Self);
 }
 
 macro_rules! plain_field {
     ($($type:ty),*) => {$(
         impl Field for $type {
-            type Storage = Vec<$type>;
-        }
-        impl Column<$type> for Vec<$type> {
+            type Block = [$type; LANES];
             #[inline(always)]
-            fn get(&self, lane: usize) -> $type {
-                self[lane]
+            fn get(block: &Self::Block, lane: usize) -> Self {
+                block[lane % LANES]
             }
             #[inline(always)]
-            fn set(&mut self, lane: usize, value: $type) {
-                self[lane] = value;
-            }
-            fn resize(&mut self, lanes: usize, fill: $type) {
-                self.resize(lanes, fill);
+            fn set(block: &mut Self::Block, lane: usize, value: Self) {
+                block[lane % LANES] = value;
             }
         }
     )*};
 }
-plain_field!(f64, f32, u32, bool, PrimitiveId, Media);
+plain_field!(f64, u32, bool, PrimitiveId, Media);
 
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(
         impl Field for $vector {
-            type Storage = [Vec<$scalar>; 3];
-        }
-        impl Column<$vector> for [Vec<$scalar>; 3] {
+            type Block = [[$scalar; LANES]; 3];
             #[inline(always)]
-            fn get(&self, lane: usize) -> $vector {
-                $vector::new(self[0][lane], self[1][lane], self[2][lane])
+            fn get([x, y, z]: &Self::Block, lane: usize) -> Self {
+                $vector::new(x[lane % LANES], y[lane % LANES], z[lane % LANES])
             }
             #[inline(always)]
-            fn set(&mut self, lane: usize, value: $vector) {
-                self[0][lane] = value.x;
-                self[1][lane] = value.y;
-                self[2][lane] = value.z;
-            }
-            fn resize(&mut self, lanes: usize, fill: $vector) {
-                self[0].resize(lanes, fill.x);
-                self[1].resize(lanes, fill.y);
-                self[2].resize(lanes, fill.z);
+            fn set([x, y, z]: &mut Self::Block, lane: usize, value: Self) {
+                x[lane % LANES] = value.x;
+                y[lane % LANES] = value.y;
+                z[lane % LANES] = value.z;
             }
         }
     )*};
 }
 vector_field!(DVec3 of f64, Vec3 of f32);
 
-/// A set of parallel columns that stores one row per lane.
-pub trait Columns: Default {
-    /// A lane's row.
-    type Row: Copy + Default;
+/// A row type: the fields of one lane.
+pub trait Row: Copy + Default {
+    /// The fields of [`LANES`] lanes.
+    type Block: Copy + Default + Send;
+    /// Row of a lane below [`LANES`].
+    fn get(block: &Self::Block, lane: usize) -> Self;
+    /// Overwrites a lane below [`LANES`].
+    fn set(block: &mut Self::Block, lane: usize, row: Self);
+}
+
+/// Rows of many lanes.
+pub struct Columns<R: Row> {
+    blocks: Vec<R::Block>,
+}
+
+impl<R: Row> Default for Columns<R> {
+    fn default() -> Self {
+        Self { blocks: Vec::new() }
+    }
+}
+
+impl<R: Row> Columns<R> {
+    /// Grows or shrinks to hold `lanes` lanes.
+    pub fn resize(&mut self, lanes: usize) {
+        self.blocks.resize(lanes.div_ceil(LANES), R::Block::default());
+    }
+
     /// Row of a lane.
-    fn get(&self, lane: usize) -> Self::Row;
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> R {
+        R::get(&self.blocks[lane / LANES], lane % LANES)
+    }
+
     /// Overwrites a lane's row.
-    fn set(&mut self, lane: usize, row: Self::Row);
-    /// Grows or shrinks to `lanes`.
-    fn resize(&mut self, lanes: usize);
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, row: R) {
+        R::set(&mut self.blocks[lane / LANES], lane % LANES, row);
+    }
+
+    /// Blocks that hold the first `lanes` lanes.
+    pub fn blocks(&self, lanes: usize) -> &[R::Block] {
+        &self.blocks[..lanes.div_ceil(LANES)]
+    }
+
+    /// Blocks that hold the first `lanes` lanes.
+    pub fn blocks_mut(&mut self, lanes: usize) -> &mut [R::Block] {
+        &mut self.blocks[..lanes.div_ceil(LANES)]
+    }
 }
 
 /// Declares a row struct and its columns.
 macro_rules! columns {
     (
-        $(#[$row_doc:meta])* pub struct $row:ident => $columns:ident {
+        $(#[$row_doc:meta])* pub struct $row:ident => $block:ident {
             $($(#[$doc:meta])* $field:ident: $type:ty,)*
         }
     ) => {
@@ -97,30 +121,26 @@ macro_rules! columns {
             $($(#[$doc])* pub $field: $type,)*
         }
 
-        #[doc = concat!("Columns of [`", stringify!($row), "`].")]
-        #[derive(Default)]
-        pub struct $columns {
-            $($field: <$type as $crate::trace::columns::Field>::Storage,)*
+        #[doc = concat!("A block of columns of [`", stringify!($row), "`].")]
+        #[derive(Clone, Copy, Default)]
+        pub struct $block {
+            $($field: <$type as $crate::trace::columns::Field>::Block,)*
         }
 
-        impl $crate::trace::columns::Columns for $columns {
-            type Row = $row;
+        impl $crate::trace::columns::Row for $row {
+            type Block = $block;
 
             #[inline(always)]
-            fn get(&self, lane: usize) -> $row {
-                use $crate::trace::columns::Column;
-                $row { $($field: self.$field.get(lane),)* }
+            fn get(block: &$block, lane: usize) -> $row {
+                use $crate::trace::columns::Field;
+                $row { $($field: Field::get(&block.$field, lane),)* }
             }
 
             #[inline(always)]
-            fn set(&mut self, lane: usize, row: $row) {
-                use $crate::trace::columns::Column;
+            fn set(block: &mut $block, lane: usize, row: $row) {
+                use $crate::trace::columns::Field;
                 let $row { $($field,)* } = row;
-                $(self.$field.set(lane, $field);)*
-            }
-
-            fn resize(&mut self, lanes: usize) {
-                $($crate::trace::columns::Column::resize(&mut self.$field, lanes, <$type>::default());)*
+                $(Field::set(&mut block.$field, lane, $field);)*
             }
         }
     };

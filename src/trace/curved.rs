@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::columns::columns;
-use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
+use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Arc, Control, Dense, Step, Stepper, Verdict};
 use crate::geometry::{Geometry, Line, PrimitiveId};
 use crate::spacetime::{Chart, ConformallyFlat, Stop};
@@ -28,7 +28,7 @@ pub struct Curved<M, S> {
 
 columns! {
     /// A curved ray; position relative to the spacetime's centre.
-    pub struct CurvedFlight => CurvedFlights {
+    pub struct CurvedFlight => CurvedFlightBlock {
         /// Position.
         position: DVec3,
         /// Momentum, |p| = n.
@@ -46,7 +46,7 @@ columns! {
 
 columns! {
     /// One step of a curved ray.
-    pub struct CurvedMove => CurvedMoves {
+    pub struct CurvedMove => CurvedMoveBlock {
         /// Position at the end.
         position: DVec3,
         /// Momentum at the end.
@@ -122,8 +122,8 @@ impl<M: ConformallyFlat, S: Stepper> Curved<M, S> {
 }
 
 impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
-    type Flights = CurvedFlights;
-    type Moves = CurvedMoves;
+    type Flight = CurvedFlight;
+    type Move = CurvedMove;
     type Segment = Arc;
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> CurvedFlight {
@@ -151,8 +151,8 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
     #[inline(always)]
     fn search(
         &self,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         mut search: impl FnMut(&Arc, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
         if !step.accepted {
@@ -187,8 +187,8 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
     fn settle(
         &self,
         geometry: &Geometry,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         found: Option<Found>,
     ) -> Outcome<CurvedFlight> {
         if let Some(found) = found {
@@ -220,7 +220,7 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
         }
     }
 
-    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64 {
+    fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         if !step.accepted {
             return 0.0;
         }

@@ -156,11 +156,7 @@ struct Renderer<'a> {
 impl Errand for Renderer<'_> {
     type Output = Rendered;
 
-    fn run<T: Transport>(self, transport: &T) -> Rendered
-    where
-        T::Flights: Send,
-        T::Moves: Send,
-    {
+    fn run<T: Transport>(self, transport: &T) -> Rendered {
         let (settings, run) = (&self.scene.settings, self.run);
         let sampler = match settings.sampler {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
@@ -200,11 +196,7 @@ impl Renderer<'_> {
         tiles: &mut [Tile],
         wanted: Wanted,
         started: Instant,
-    ) -> (Counters, StageTimes, usize)
-    where
-        T::Flights: Send,
-        T::Moves: Send,
-    {
+    ) -> (Counters, StageTimes, usize) {
         let threads = rayon::current_num_threads();
         let wavefronts: Vec<Mutex<Wavefront<T>>> =
             (0..threads).map(|_| Mutex::new(Wavefront::new(self.run.batch))).collect();

@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::columns::columns;
-use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
+use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::PaperRk4;
 use crate::geometry::{Geometry, Line, PrimitiveId};
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild, Stop};
@@ -35,7 +35,7 @@ pub struct PaperMarch {
 
 columns! {
     /// A ray of the paper's march; position relative to the hole.
-    pub struct PaperFlight => PaperFlights {
+    pub struct PaperFlight => PaperFlightBlock {
         /// Position.
         position: DVec3,
         /// Momentum.
@@ -51,7 +51,7 @@ columns! {
 
 columns! {
     /// One iteration: the straight look-ahead, and where RK4 goes if it is free.
-    pub struct PaperMove => PaperMoves {
+    pub struct PaperMove => PaperMoveBlock {
         /// End of the look-ahead, relative to the hole.
         ahead: DVec3,
         /// Position after the step.
@@ -62,8 +62,8 @@ columns! {
 }
 
 impl Transport for PaperMarch {
-    type Flights = PaperFlights;
-    type Moves = PaperMoves;
+    type Flight = PaperFlight;
+    type Move = PaperMove;
     type Segment = Line;
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
@@ -87,8 +87,8 @@ impl Transport for PaperMarch {
     #[inline(always)]
     fn search(
         &self,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         mut search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
         search(&Line { p0: flight.position + self.center, p2: step.ahead + self.center }, flight.leaves)
@@ -98,8 +98,8 @@ impl Transport for PaperMarch {
     fn settle(
         &self,
         _: &Geometry,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         found: Option<Found>,
     ) -> Outcome<PaperFlight> {
         let steps = flight.steps + 1;
@@ -129,7 +129,7 @@ impl Transport for PaperMarch {
         }
     }
 
-    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64 {
+    fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         point.map_or(step.position, |p| p - self.center).distance(flight.position)
     }
 }

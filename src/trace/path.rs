@@ -7,7 +7,7 @@ use crate::shade::Media;
 
 columns! {
     /// A camera path under way.
-    pub struct Path => PathColumns {
+    pub struct Path => PathBlock {
         /// Pixel, counted over the whole image row by row: keys the random numbers.
         pixel: u32,
         /// Sample of that pixel.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::columns::columns;
-use super::transport::{Flight, Found, Landing, Move, Outcome, Transport};
+use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geometry::{Geometry, Line, PrimitiveId};
 
 /// Rays of flat space, followed to where they leave the scene's bounds.
@@ -14,7 +14,7 @@ pub struct Straight {
 
 columns! {
     /// A straight ray.
-    pub struct StraightFlight => StraightFlights {
+    pub struct StraightFlight => StraightFlightBlock {
         /// World start.
         position: DVec3,
         /// Unit direction.
@@ -26,7 +26,7 @@ columns! {
 
 columns! {
     /// Its only move.
-    pub struct StraightMove => StraightMoves {
+    pub struct StraightMove => StraightMoveBlock {
         /// Where the ray has left the bounds for good; its start if it never meets them.
         end: DVec3,
     }
@@ -44,8 +44,8 @@ impl Straight {
 }
 
 impl Transport for Straight {
-    type Flights = StraightFlights;
-    type Moves = StraightMoves;
+    type Flight = StraightFlight;
+    type Move = StraightMove;
     type Segment = Line;
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
@@ -68,8 +68,8 @@ impl Transport for Straight {
     #[inline(always)]
     fn search(
         &self,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         mut search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
         if step.end == flight.position {
@@ -82,8 +82,8 @@ impl Transport for Straight {
     fn settle(
         &self,
         _: &Geometry,
-        flight: &Flight<Self>,
-        _: &Move<Self>,
+        flight: &Self::Flight,
+        _: &Self::Move,
         found: Option<Found>,
     ) -> Outcome<StraightFlight> {
         let direction = flight.direction;
@@ -95,7 +95,7 @@ impl Transport for Straight {
         }
     }
 
-    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64 {
+    fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         point.unwrap_or(step.end).distance(flight.position)
     }
 }

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::columns::Columns;
+use super::columns::Row;
 use crate::geometry::{Geometry, PrimitiveId, Segment};
 
 /// Where and how a ray arrives at a surface.
@@ -47,25 +47,25 @@ pub enum Outcome<Flight> {
 
 /// A way for rays to move.
 pub trait Transport: Sync {
-    /// Columns of rays in flight.
-    type Flights: Columns;
-    /// Columns of moves.
-    type Moves: Columns;
+    /// A ray in flight.
+    type Flight: Row;
+    /// One move of a ray.
+    type Move: Row;
     /// What the scene is searched along.
     type Segment: Segment;
 
     /// A ray that starts at `position` (world) in the unit `direction`, on the primitive `leaves`.
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Flight<Self>;
+    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Self::Flight;
 
     /// The next move of a ray; touches nothing but the ray.
-    fn advance(&self, flight: &Flight<Self>) -> Move<Self>;
+    fn advance(&self, flight: &Self::Flight) -> Self::Move;
 
     /// The pieces of a move to be searched in turn, none if nothing can be met: calls `search` until it finds
     /// something. `search` takes a piece and the primitive that the piece starts on.
     fn search(
         &self,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         search: impl FnMut(&Self::Segment, PrimitiveId) -> Option<Found>,
     ) -> Option<Found>;
 
@@ -73,19 +73,14 @@ pub trait Transport: Sync {
     fn settle(
         &self,
         geometry: &Geometry,
-        flight: &Flight<Self>,
-        step: &Move<Self>,
+        flight: &Self::Flight,
+        step: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<Flight<Self>>;
+    ) -> Outcome<Self::Flight>;
 
     /// Coordinate length of a move, up to `point` if given.
-    fn length(&self, flight: &Flight<Self>, step: &Move<Self>, point: Option<DVec3>) -> f64;
+    fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
 }
-
-/// A ray in flight.
-pub type Flight<T> = <<T as Transport>::Flights as Columns>::Row;
-/// One move of a ray.
-pub type Move<T> = <<T as Transport>::Moves as Columns>::Row;
 
 /// Something to be done with whichever transport a scene calls for.
 pub trait Errand {
@@ -93,8 +88,5 @@ pub trait Errand {
     type Output;
 
     /// Does it.
-    fn run<T: Transport>(self, transport: &T) -> Self::Output
-    where
-        T::Flights: Send,
-        T::Moves: Send;
+    fn run<T: Transport>(self, transport: &T) -> Self::Output;
 }

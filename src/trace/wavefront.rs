@@ -5,8 +5,9 @@
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
 use super::columns::Columns;
-use super::path::{Path, PathColumns};
+use super::path::Path;
 use super::samples::{Fate, Samples};
+use super::stages::advance::advance;
 use super::stages::emit::emit;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
@@ -21,9 +22,9 @@ use glam::DVec3;
 
 /// A worker's rays.
 pub struct Wavefront<T: Transport> {
-    flights: T::Flights,
-    moves: T::Moves,
-    paths: PathColumns,
+    flights: Columns<T::Flight>,
+    moves: Columns<T::Move>,
+    paths: Columns<Path>,
     found: Vec<Option<Found>>,
     /// Lanes in use.
     live: usize,
@@ -44,9 +45,9 @@ impl<T: Transport> Wavefront<T> {
     /// A wavefront of at most `capacity` lanes.
     pub fn new(capacity: usize) -> Self {
         Self {
-            flights: T::Flights::default(),
-            moves: T::Moves::default(),
-            paths: PathColumns::default(),
+            flights: Columns::default(),
+            moves: Columns::default(),
+            paths: Columns::default(),
             found: Vec::new(),
             live: 0,
             capacity,
@@ -73,7 +74,7 @@ impl<T: Transport> Wavefront<T> {
             if self.live == 0 {
                 return;
             }
-            self.advance(transport);
+            advance(transport, &self.flights, &mut self.moves, self.live);
             lap.end(&mut times.advance);
             self.intersect(job, transport, counters);
             lap.end(&mut times.intersect);
@@ -105,12 +106,6 @@ impl<T: Transport> Wavefront<T> {
             *next += 1;
             counters.paths += 1;
             counters.rays += 1;
-        }
-    }
-
-    fn advance(&mut self, transport: &T) {
-        for lane in 0..self.live {
-            self.moves.set(lane, transport.advance(&self.flights.get(lane)));
         }
     }
 

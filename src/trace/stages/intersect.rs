@@ -1,7 +1,7 @@
 //! Searching the scene along a move.
 
 use super::super::stats::Counters;
-use super::super::transport::{Flight, Found, Move, Transport};
+use super::super::transport::{Found, Transport};
 use crate::geometry::{Geometry, Segment};
 
 /// The first thing that a move meets.
@@ -9,8 +9,8 @@ use crate::geometry::{Geometry, Segment};
 pub fn intersect<T: Transport>(
     transport: &T,
     geometry: &Geometry,
-    flight: &Flight<T>,
-    step: &Move<T>,
+    flight: &T::Flight,
+    step: &T::Move,
     counters: &mut Counters,
 ) -> Option<Found> {
     counters.steps += 1;

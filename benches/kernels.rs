@@ -1,0 +1,525 @@
+//! Micro-benchmarks of the kernels, one core: `cargo bench`, or `cargo bench -- search` for a part.
+//!
+//! `search` measures the choice of hierarchy: the engine's own walk over a binary BVH, which widens every box by the
+//! sagitta of the arc at hand, against obvhs's own traversals of its eight-wide `CwBvh` and of its `Bvh2`, whose boxes
+//! must be inflated by the largest sagitta when they are built, and against a thick walk of the `CwBvh`. All test the same f64 primitives; how many hits each
+//! finds is printed first, and the numbers must agree.
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::sync::LazyLock;
+use std::time::Duration;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use glam::{DAffine3, DVec3, UVec2, Vec3A, Vec4};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::cwbvh::node::{CwBvhNode, extract_byte64};
+use obvhs::ray::{Ray, RayHit};
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
+use warpfront::geodesic::{Arc, Control, PaperRk4, Rkn4, Rkn5, Step, Stepper, fit_arc};
+use warpfront::geometry::{
+    Geometry, Instance, Line, Mesh, PrimitiveId, Primitives, Segment, Sphere, Surface, Triangle,
+};
+use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
+
+/// Items of a sample: the timer's own cost vanishes beside them.
+const ITEMS: usize = 4096;
+/// A hole in the middle of the mesh, whose radius is about 1.
+const HOLE: f64 = 0.2;
+const CONTROL: Control = Control { tolerance: 1e-5, arc_tolerance: 1e-4 };
+
+fn main() {
+    println!("{}", BENCH_SCENE.describe());
+    divan::main();
+}
+
+fn random() -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(1)
+}
+
+fn direction(random: &mut Xoshiro256PlusPlus) -> DVec3 {
+    let (z, phi) = (2.0 * random.random::<f64>() - 1.0, TAU * random.random::<f64>());
+    let radius = (1.0 - z * z).sqrt();
+    DVec3::new(radius * phi.cos(), radius * phi.sin(), z)
+}
+
+/// Start and unit direction of rays from all around towards the mesh.
+fn rays(count: usize) -> Vec<(DVec3, DVec3)> {
+    let mut random = random();
+    let mut ray = || {
+        let start = 3.0 * direction(&mut random);
+        let target = 1.1 * random.random::<f64>().cbrt() * direction(&mut random);
+        (start, (target - start).normalize())
+    };
+    (0..count).map(|_| ray()).collect()
+}
+
+mod steps {
+    use super::*;
+
+    fn states() -> Vec<([DVec3; 3], f64)> {
+        let medium = Schwarzschild::new(HOLE);
+        let state = |(x, direction): (DVec3, DVec3)| {
+            let p = medium.momentum(x, direction);
+            ([x, p, medium.force(x)], CONTROL.first_step(&Rkn5, &medium, x, p))
+        };
+        rays(ITEMS).into_iter().map(state).collect()
+    }
+
+    fn nystrom(bencher: Bencher, stepper: impl Stepper) {
+        let (medium, states) = (Schwarzschild::new(HOLE), states());
+        bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
+            for (start, h) in &states {
+                black_box(stepper.step(&medium, black_box(*start), *h));
+            }
+        });
+    }
+
+    #[divan::bench]
+    fn rkn4(bencher: Bencher) {
+        nystrom(bencher, Rkn4);
+    }
+
+    #[divan::bench]
+    fn rkn5(bencher: Bencher) {
+        nystrom(bencher, Rkn5);
+    }
+
+    #[divan::bench]
+    fn rk4_paper(bencher: Bencher) {
+        let (stepper, states) = (PaperRk4 { r_s: HOLE }, states());
+        bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
+            for ([x, p, _], dt) in &states {
+                black_box(stepper.step(black_box(*x), *p, *dt));
+            }
+        });
+    }
+
+    #[divan::bench]
+    fn fit_an_arc(bencher: Bencher) {
+        let medium = Schwarzschild::new(HOLE);
+        let steps: Vec<Step> = states().into_iter().map(|(start, h)| Rkn5.step(&medium, start, h)).collect();
+        bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
+            for step in &steps {
+                black_box(fit_arc(black_box(step)));
+            }
+        });
+    }
+}
+
+/// One primitive beside each segment, so near that boxes would not have told them apart.
+mod primitives {
+    use super::*;
+
+    fn near(segment: &impl Segment, random: &mut Xoshiro256PlusPlus, size: f64) -> DVec3 {
+        segment.point(0.5) + size * direction(random)
+    }
+
+    #[divan::bench]
+    fn arc_sphere(bencher: Bencher) {
+        let mut random = random();
+        let pairs: Vec<(Arc, Sphere)> = BENCH_SCENE
+            .arcs
+            .iter()
+            .map(|arc| (*arc, Sphere { center: near(arc, &mut random, 0.02), radius: 0.02 }))
+            .collect();
+        bencher.counter(ItemsCount::new(pairs.len())).bench_local(|| {
+            for (arc, sphere) in &pairs {
+                black_box(arc.cross_sphere(black_box(sphere), false));
+            }
+        });
+    }
+
+    fn with_triangles<S: Segment>(bencher: Bencher, segments: &[S]) {
+        let mut random = random();
+        let mut triangle = |segment: &S| {
+            let corners = std::array::from_fn(|_| near(segment, &mut random, 0.02).as_vec3().to_array());
+            (*segment, Triangle { corners })
+        };
+        let pairs: Vec<(S, Triangle)> = segments.iter().map(&mut triangle).collect();
+        bencher.counter(ItemsCount::new(pairs.len())).bench_local(|| {
+            for (segment, triangle) in &pairs {
+                black_box(segment.cross_triangle(black_box(triangle), false));
+            }
+        });
+    }
+
+    #[divan::bench]
+    fn arc_triangle(bencher: Bencher) {
+        with_triangles(bencher, &BENCH_SCENE.arcs);
+    }
+
+    #[divan::bench]
+    fn line_triangle(bencher: Bencher) {
+        with_triangles(bencher, &BENCH_SCENE.lines);
+    }
+}
+
+/// The first hit in the mesh.
+mod search {
+    use super::*;
+
+    fn count<S: Segment>(bencher: Bencher, segments: &[S], find: impl Fn(&S) -> Option<f64>) {
+        bencher.counter(ItemsCount::new(segments.len())).bench_local(|| {
+            for segment in segments {
+                black_box(find(black_box(segment)));
+            }
+        });
+    }
+
+    #[divan::bench]
+    fn arcs_thick_walk(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.walk(arc));
+    }
+
+    #[divan::bench]
+    fn arcs_cwbvh_inflated(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.wide_inflated.find(arc));
+    }
+
+    #[divan::bench]
+    fn arcs_thick_cwbvh(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.arcs, |arc| ThickWide(&BENCH_SCENE.wide).find(arc));
+    }
+
+    #[divan::bench]
+    fn rays_thick_cwbvh(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| ThickWide(&BENCH_SCENE.wide).find(line));
+    }
+
+    #[divan::bench]
+    fn arcs_bvh2_inflated(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.binary_inflated.find(arc));
+    }
+
+    #[divan::bench]
+    fn rays_bvh2(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.binary.find(line));
+    }
+
+    #[divan::bench]
+    fn rays_thick_walk(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.walk(line));
+    }
+
+    #[divan::bench]
+    fn rays_cwbvh(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.wide.find(line));
+    }
+
+    #[divan::bench]
+    fn rays_cwbvh_inflated(bencher: Bencher) {
+        count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.wide_inflated.find(line));
+    }
+}
+
+/// What is searched, and for what.
+struct BenchScene {
+    geometry: Geometry,
+    wide: Theirs<CwBvh>,
+    wide_inflated: Theirs<CwBvh>,
+    binary: Theirs<Bvh2>,
+    binary_inflated: Theirs<Bvh2>,
+    arcs: Vec<Arc>,
+    lines: Vec<Line>,
+}
+
+static BENCH_SCENE: LazyLock<BenchScene> = LazyLock::new(|| {
+    let mesh = bumpy_icosphere(7);
+    let triangles: Vec<Triangle> = mesh
+        .triangles
+        .iter()
+        .map(|corners| Triangle { corners: corners.map(|index| mesh.positions[index as usize]) })
+        .collect();
+    let placed = Instance { mesh: 0, to_world: DAffine3::IDENTITY };
+    let geometry = Geometry::build(Primitives {
+        meshes: vec![mesh],
+        instances: vec![(placed, Surface { material: 0, entity: 0 })],
+        ..Primitives::default()
+    });
+    // As the tracer does: arcs are halved until they are thin beside the triangles.
+    let thickest = 0.25 * geometry.typical_extent();
+    let arcs = marched_arcs(thickest, geometry.bounds().unwrap_or_default());
+    let line = |(start, direction)| Line { p0: start, p2: start + 6.0 * direction };
+    BenchScene {
+        wide: Theirs::build(&triangles, 0.0),
+        wide_inflated: Theirs::build(&triangles, thickest),
+        binary: Theirs::build(&triangles, 0.0),
+        binary_inflated: Theirs::build(&triangles, thickest),
+        lines: rays(ITEMS).into_iter().map(line).collect(),
+        arcs,
+        geometry,
+    }
+});
+
+impl BenchScene {
+    fn walk(&self, segment: &impl Segment) -> Option<f64> {
+        self.geometry.intersect(segment, PrimitiveId::NONE).map(|hit| hit.s)
+    }
+
+    /// Sizes, and how many hits each search finds.
+    fn describe(&self) -> String {
+        let hits = |found: &mut dyn Iterator<Item = Option<f64>>| found.flatten().count();
+        let arcs = [
+            hits(&mut self.arcs.iter().map(|arc| self.walk(arc))),
+            hits(&mut self.arcs.iter().map(|arc| ThickWide(&self.wide).find(arc))),
+            hits(&mut self.arcs.iter().map(|arc| self.wide_inflated.find(arc))),
+            hits(&mut self.arcs.iter().map(|arc| self.binary_inflated.find(arc))),
+        ];
+        let lines = [
+            hits(&mut self.lines.iter().map(|line| self.walk(line))),
+            hits(&mut self.lines.iter().map(|line| ThickWide(&self.wide).find(line))),
+            hits(&mut self.lines.iter().map(|line| self.wide.find(line))),
+            hits(&mut self.lines.iter().map(|line| self.binary.find(line))),
+        ];
+        let length: f64 = self.arcs.iter().map(|arc| arc.p0.distance(arc.p2)).sum();
+        format!(
+            "{} triangles; {} arcs of mean length {:.3}: {arcs:?} hits; {} rays: {lines:?} hits (own walk, thick CwBvh, CwBvh, Bvh2)",
+            self.geometry.counts().triangles,
+            self.arcs.len(),
+            length / self.arcs.len() as f64,
+            self.lines.len()
+        )
+    }
+}
+
+/// A hierarchy of obvhs with its own traversal.
+trait Hierarchy {
+    fn build(boxes: &[Aabb]) -> Self;
+    /// Box index of each leaf slot.
+    fn order(&self) -> &[u32];
+    fn search(&self, ray: Ray, leaf: impl FnMut(usize) -> f32);
+}
+
+impl Hierarchy for CwBvh {
+    fn build(boxes: &[Aabb]) -> Self {
+        build_cwbvh(boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+    }
+
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+
+    fn search(&self, ray: Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, slot| leaf(slot));
+    }
+}
+
+impl Hierarchy for Bvh2 {
+    fn build(boxes: &[Aabb]) -> Self {
+        build_bvh2(boxes, BvhBuildParams::medium_build(), &mut Duration::default())
+    }
+
+    fn order(&self) -> &[u32] {
+        &self.primitive_indices
+    }
+
+    fn search(&self, ray: Ray, mut leaf: impl FnMut(usize) -> f32) {
+        self.ray_traverse(ray, &mut RayHit::none(), |_, slot| leaf(slot));
+    }
+}
+
+/// Triangles in the leaf order of a hierarchy of obvhs.
+struct Theirs<T> {
+    tree: T,
+    triangles: Vec<Triangle>,
+}
+
+/// The node test of `CwBvh` loses hits nearer than 1e-4, so a segment starts this much earlier.
+const LEAD: f64 = 2e-4;
+
+impl<T: Hierarchy> Theirs<T> {
+    fn build(triangles: &[Triangle], inflation: f64) -> Self {
+        let boxed = |triangle: &Triangle| {
+            let (min, max) = triangle.bounds();
+            Aabb::new((min - inflation).as_vec3a(), (max + inflation).as_vec3a())
+        };
+        let tree = T::build(&triangles.iter().map(boxed).collect::<Vec<_>>());
+        let triangles = tree.order().iter().map(|&index| triangles[index as usize]).collect();
+        Self { tree, triangles }
+    }
+
+    fn find(&self, segment: &impl Segment) -> Option<f64> {
+        let chord = segment.chord();
+        let along = chord.end - chord.start;
+        let length = along.length();
+        let direction = along / length;
+        let start = chord.start - LEAD * direction;
+        // A little past the end as well: a hit at exactly the ray's end is missed.
+        let range = (LEAD as f32, (length + 2.0 * LEAD) as f32);
+        let ray = Ray::new(start.as_vec3a(), direction.as_vec3a(), range.0, range.1);
+        let mut nearest: Option<f64> = None;
+        self.tree.search(ray, |slot| {
+            let Some(s) = segment.cross_triangle(&self.triangles[slot], false) else { return f32::INFINITY };
+            nearest = Some(nearest.map_or(s, |best| best.min(s)));
+            (segment.point(s) - start).dot(direction) as f32
+        });
+        nearest
+    }
+}
+
+/// What the choice could be instead: the eight-wide hierarchy over plain boxes, walked with a thick ray.
+///
+/// The node test is that of `CwBvhNode::intersect_ray` with its near planes drawn nearer and its far planes drawn
+/// farther by the sagitta, and without its loss of near hits.
+struct ThickWide<'a>(&'a Theirs<CwBvh>);
+
+/// A thick ray, as the nodes of the wide hierarchy see it.
+struct ThickRay {
+    start: Vec3A,
+    inverse: Vec3A,
+    /// Distance along the ray by which each slab is widened.
+    wider: Vec3A,
+    length: f32,
+}
+
+impl ThickWide<'_> {
+    fn find(&self, segment: &impl Segment) -> Option<f64> {
+        let Theirs { tree, triangles } = self.0;
+        let chord = segment.chord();
+        let along = chord.end - chord.start;
+        let length = along.length();
+        let direction = along / length;
+        let start = chord.start.as_vec3a();
+        let inverse = direction.as_vec3a().recip().clamp(Vec3A::splat(-1e30), Vec3A::splat(1e30));
+        let radius = chord.sagitta as f32 * (1.0 + 4.0 * f32::EPSILON)
+            + 4.0 * f32::EPSILON * (start.abs().max_element() + length as f32);
+        let wider = radius * inverse.abs();
+        let mut ray = ThickRay { start, inverse, wider, length: length as f32 * (1.0 + 4.0 * f32::EPSILON) };
+        let mut nearest: Option<f64> = None;
+        let mut state = tree.new_traversal(direction.as_vec3a());
+        let mut node;
+        obvhs::traverse!(tree, node, state, ray.children(node, state.oct_inv4), {
+            if let Some(s) = segment.cross_triangle(&triangles[state.primitive_id as usize], false) {
+                nearest = Some(nearest.map_or(s, |best| best.min(s)));
+                let distance = (segment.point(s) - chord.start).dot(direction) as f32;
+                ray.length = ray.length.min(distance * (1.0 + 4.0 * f32::EPSILON));
+            }
+        });
+        nearest
+    }
+}
+
+impl ThickRay {
+    /// Mask of the children that the ray meets.
+    #[inline(always)]
+    fn children(&self, node: &CwBvhNode, octant: u32) -> u32 {
+        let scale = node.compute_extent() * self.inverse;
+        let offset = (Vec3A::from(node.p) - self.start) * self.inverse;
+        let (to_near, to_far) = (offset - self.wider, offset + self.wider);
+        let (child_bits, bit_index) = node.get_child_and_index_bits(octant);
+        let mut mask = 0;
+        for half in 0..2 {
+            let four = |bytes: &[u8; 8]| {
+                let at = |i: usize| f32::from(bytes[4 * half + i]);
+                Vec4::new(at(0), at(1), at(2), at(3))
+            };
+            let slab = |low: &[u8; 8], high: &[u8; 8], axis: usize| {
+                let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+                (four(near) * scale[axis] + to_near[axis], four(far) * scale[axis] + to_far[axis])
+            };
+            let (x, y, z) = (
+                slab(&node.child_min_x, &node.child_max_x, 0),
+                slab(&node.child_min_y, &node.child_max_y, 1),
+                slab(&node.child_min_z, &node.child_max_z, 2),
+            );
+            let enter = x.0.max(y.0).max(z.0).max(Vec4::ZERO);
+            let leave = x.1.min(y.1).min(z.1).min(Vec4::splat(self.length));
+            let met = enter.cmple(leave).bitmask();
+            for i in 0..4 {
+                if met & (1 << i) != 0 {
+                    let child = 4 * half + i;
+                    mask |= extract_byte64(child_bits, child) << extract_byte64(bit_index, child);
+                }
+            }
+        }
+        mask
+    }
+}
+
+/// Arcs of real rays around the hole, within the bounds of the mesh.
+fn marched_arcs(thickest: f64, (min, max): (DVec3, DVec3)) -> Vec<Arc> {
+    let medium = Schwarzschild::new(HOLE);
+    let mut arcs = Vec::new();
+    for (x, direction) in rays(ITEMS / 4) {
+        let p = medium.momentum(x, direction);
+        let (mut state, mut h) = ([x, p, medium.force(x)], CONTROL.first_step(&Rkn5, &medium, x, p));
+        for _ in 0..40 {
+            let step = Rkn5.step(&medium, state, h);
+            let verdict = CONTROL.judge(&step);
+            h = verdict.next_h;
+            if verdict.accepted {
+                state = step.end;
+                split(verdict.arc, thickest, &mut arcs);
+            }
+            if state[0].length() > 4.0 || state[0].length() < 2.0 * medium.horizon() {
+                break;
+            }
+        }
+    }
+    arcs.retain(|arc| {
+        let (low, high) = (arc.p0.min(arc.p1).min(arc.p2), arc.p0.max(arc.p1).max(arc.p2));
+        low.cmple(max).all() && high.cmpge(min).all()
+    });
+    arcs.truncate(ITEMS);
+    arcs
+}
+
+fn split(arc: Arc, thickest: f64, arcs: &mut Vec<Arc>) {
+    if arc.sagitta() <= thickest {
+        return arcs.push(arc);
+    }
+    let (left, right) = arc.halves();
+    split(left, thickest, arcs);
+    split(right, thickest, arcs);
+}
+
+/// An icosahedron with every triangle cut in four `levels` times, on a bumpy sphere.
+fn bumpy_icosphere(levels: u32) -> Mesh {
+    let golden = 0.5 * (1.0 + 5f64.sqrt());
+    let mut points: Vec<DVec3> = Vec::new();
+    for (a, b) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
+        points.extend([DVec3::new(a, b, 0.0), DVec3::new(0.0, a, b), DVec3::new(b, 0.0, a)]);
+    }
+    let edge = 2.0;
+    let mut triangles: Vec<[DVec3; 3]> = Vec::new();
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                let corners = [points[i], points[j], points[k]];
+                let neighbours = |a: DVec3, b: DVec3| (a.distance(b) - edge).abs() < 1e-9;
+                if neighbours(corners[0], corners[1])
+                    && neighbours(corners[1], corners[2])
+                    && neighbours(corners[2], corners[0])
+                {
+                    triangles.push(corners);
+                }
+            }
+        }
+    }
+    for _ in 0..levels {
+        triangles = triangles.into_iter().flat_map(quartered).collect();
+    }
+    let bumpy = |corner: DVec3| {
+        let unit = corner.normalize();
+        let height = 1.0 + 0.05 * (9.0 * unit.x).sin() * (11.0 * unit.y).sin() * (13.0 * unit.z).cos();
+        (height * unit).as_vec3().to_array()
+    };
+    Mesh {
+        positions: triangles.iter().flatten().map(|&corner| bumpy(corner)).collect(),
+        normals: Vec::new(),
+        triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    }
+}
+
+fn quartered([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
+    let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+    [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+}
