@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Row, hole, material, mesh, rectangle, scene_with, sphere, table};
+use common::{Row, camera, hole, material, mesh, rectangle, scene, scene_with, sphere, table};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
 use warpfront::scene::Baked;
@@ -230,4 +230,40 @@ fn every_ray_that_comes_out_meets_a_quad_of_triangles_across_its_way() {
 #[test]
 fn every_ray_that_comes_out_meets_a_quad_around_a_hole_elsewhere() {
     check_quads(Setup { tolerance: 1e-7, arc: 1e-4, ..ELSEWHERE }, 10);
+}
+
+/// Deflection of a ray of impact parameter `b` in units of r_s that comes from `distance`.
+fn deflection(b: f64, distance: f64, tolerance: f64) -> f64 {
+    // No geometry: nothing but a sky.
+    let text = hole(DVec3::ZERO, 1.0)
+        + &camera(DVec3::X, DVec3::ZERO, 40.0)
+        + "[environment]\ncolor = [1, 1, 1]\n"
+        + &format!("[render]\ntolerance = {tolerance:?}\narc_tolerance = 1.0\n");
+    let u = 0.25 / distance;
+    let index = (1.0 + u).powi(3) / (1.0 - u);
+    let position = DVec3::new(-(distance * distance - b * b).sqrt(), b / index, 0.0);
+    let [shot] =
+        shoot(&scene(&text), &[Ray { position, direction: DVec3::X, leaves: PrimitiveId::NONE }])[..]
+    else {
+        panic!("one shot")
+    };
+    let Outcome::Escaped(end) = shot.end else { panic!("{shot:?} from {distance:e}") };
+    (-end.y).atan2(end.x)
+}
+
+#[test]
+fn rays_from_any_distance_bend_as_darwin_says() {
+    let mut worst = 0.0f64;
+    // Impact parameter over M = r_s/2 and deflection.
+    for (b, exact) in [(6.0, 1.719388310230), (10.0, 0.590395787606), (20.0, 0.236135995388)] {
+        for distance in [1e5, 1e6, 1e7, 1e8] {
+            for tolerance in [1e-3, 1e-5, 1e-7] {
+                let bent = deflection(0.5 * b, distance, tolerance);
+                let share = (bent - exact).abs() / (10.0 * tolerance);
+                worst = worst.max(share);
+                assert!(share < 1.0, "b = {b} M from {distance:e} at {tolerance:e}: {bent}, exactly {exact}");
+            }
+        }
+    }
+    println!("worst {worst:.3} of what is allowed");
 }
