@@ -174,6 +174,7 @@ fn crossings(geometry: &Geometry, from: DVec3, to: DVec3, pieces: usize) -> Vec<
             found.push((place.x, geometry.surface(hit.primitive).entity));
             line = Line { p0: place, p2: line.p2 };
             leaves = hit.primitive;
+            assert!(found.len() < 100, "stuck at {place}");
         }
     }
     found
