@@ -104,7 +104,7 @@ pub(super) struct SettingArgs {
     /// How rays are advanced through curved space
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
-    /// Largest error of one step relative to the distance from the centre
+    /// Largest estimated error of a step's direction, radians
     #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::units::plural;
-use crate::scene::{Baked, SpacetimeKind};
+use crate::scene::{Baked, SpacetimeKind, StepperKind};
 
 /// One stage.
 #[derive(Debug, PartialEq, Serialize)]
@@ -57,11 +57,14 @@ fn intersect(scene: &Baked) -> Stage {
             true,
             format!("lines against {}", plural(primitives, "primitive", "primitives")),
         ),
-        _ => stage(
-            "intersect",
-            true,
-            format!("arcs against {}", plural(primitives, "primitive", "primitives")),
-        ),
+        _ => {
+            let searched = match scene.settings.stepper {
+                StepperKind::Rk4Paper => "lines",
+                StepperKind::Rkn4 | StepperKind::Rkn5 => "arcs",
+            };
+            let primitives = plural(primitives, "primitive", "primitives");
+            stage("intersect", true, format!("{searched} against {primitives}"))
+        }
     }
 }
 
@@ -85,7 +88,7 @@ fn escape(scene: &Baked) -> Stage {
 fn emit(scene: &Baked) -> Stage {
     match scene.materials.iter().filter(|material| material.emits()).count() {
         0 => stage("emit", false, "no material emits"),
-        emitting => stage("emit", true, format!("{} emit light", plural(emitting, "material", "materials"))),
+        emitting => stage("emit", true, format!("light from {}", plural(emitting, "material", "materials"))),
     }
 }
 

@@ -5,19 +5,19 @@
 pub enum Aov {
     /// Coordinate path length from the camera to the first hit, scene units; infinite where nothing is hit.
     Depth,
-    /// World shading normal at the first hit.
+    /// World shading normal at the first hit, mean over all samples (zero where nothing is hit), not renormalised.
     Normal,
-    /// Colour of the material at the first hit.
+    /// Colour of the material at the first hit, mean over all samples.
     Albedo,
-    /// World position of the first hit.
+    /// World position of the first hit, mean over the samples that hit.
     Position,
-    /// Entity index + 1 of the first hit, 0 where nothing is hit.
+    /// Entity index + 1 of the first hit of the first sample, 0 where nothing is hit.
     Entity,
     /// Variance of the pixel's mean, per colour channel.
     Variance,
-    /// Mean number of march steps per path.
+    /// Mean number of march steps per path, all its rays together.
     Steps,
-    /// Fate of the camera ray.
+    /// Fate of the camera ray of the first sample: 1 hit, 2 escaped, 3 captured, 4 step limit, 5 non-finite.
     Fate,
 }
 
@@ -64,7 +64,7 @@ pub struct Image {
     pub size: (usize, usize),
     /// `R`, `G`, `B`, `A`, then what was asked for.
     pub planes: Vec<Plane>,
-    /// Header attributes as name and text: samples per pixel, seed, scene, version, entity names.
+    /// Header attributes as name and text: samples per pixel, seed, entity names (`entity.N`, N as in the entity plane).
     pub attributes: Vec<(String, String)>,
 }
 

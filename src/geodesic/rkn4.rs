@@ -1,4 +1,5 @@
-//! Nyström's method of order 4 for x'' = f(x): three evaluations a step, and one that the next step reuses.
+//! Nyström's method of order 4 for x'' = f(x): three evaluations a step, the first of
+//! them inherited from the step before; one more, at the end, starts the next step.
 //!
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.14.
 

@@ -37,7 +37,7 @@ impl Step {
     ///
     /// The momentum is scaled to |p| = n: the null constraint is unstable where the index falls steeply. The force at
     /// the end itself, which the next step starts with, differs from the last stage by that stage's error: their
-    /// weighted difference estimates the momentum's, one order below the method's.
+    /// weighted difference, O(h⁴), bounds the momentum's, which is of the method's own order.
     #[inline(always)]
     pub(super) fn finish<M: ConformallyFlat>(
         medium: &M,

@@ -2,41 +2,45 @@
 //!
 //! The walk differs from obvhs's own in one point that curved rays need: a segment is searched along its chord as a
 //! *thick* ray, every box widened by that segment's own sagitta. (Inflating the boxes at build time by the largest
-//! sagitta allowed would make every short or straight segment pay for the longest one.) Boxes are narrowed to f32
-//! outwards and the slab test is widened by its own rounding, so that the walk is conservative: what is hit in f64 is
-//! never culled.
+//! sagitta allowed makes straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the
+//! slab test is widened by its own rounding, so that the walk is conservative: what is hit in f64 is never culled.
+//!
+//! Eight-wide quantised nodes (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
+//! Compressed Wide BVHs") measure twice as fast here as the binary hierarchy, on short arcs and on whole rays:
+//! `cargo bench -- search`.
 
 use std::time::Duration;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, UVec2, Vec3A, Vec4};
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::faststack::FastStack;
-use obvhs::{BvhBuildParams, fast_stack};
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::cwbvh::node::{CwBvhNode, extract_byte64};
+use obvhs::{BvhBuildParams, fast_stack, traverse};
 
 use super::Chord;
 
 /// A hierarchy over boxes given by index.
 pub struct Bvh {
-    tree: Bvh2,
+    tree: CwBvh,
+    depth: usize,
 }
 
-/// Slab distances are products of a rounded difference and a rounded reciprocal: 3 half ulps, doubled for safety.
-const SLAB_ERROR: f32 = 6.0 * f32::EPSILON;
-/// Directions below this are taken for it; its reciprocal is finite.
-const SMALLEST_DIRECTION: f32 = 1e-30;
+/// Directions below this are taken for it: the reciprocal times any coordinate is finite.
+const SMALLEST_DIRECTION: f32 = 1e-18;
+/// Slab distances are sums of two products of rounded factors: their error beside the larger term, with room to spare.
+const SLAB_ERROR: f32 = 4.0 * f32::EPSILON;
 
 impl Bvh {
     /// Builds the hierarchy, on all threads. Boxes are (min, max), finite, and within f32's range.
     pub fn build(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> Self {
         let boxes: Vec<Aabb> = boxes.map(|(min, max)| outwards(min, max)).collect();
         let tree = match boxes.is_empty() {
-            true => Bvh2::default(),
-            false => build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Duration::default()),
+            true => CwBvh::default(),
+            false => build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default()),
         };
-        Self { tree }
+        let depth = depth(&tree);
+        Self { tree, depth }
     }
 
     /// Box index of each leaf slot.
@@ -46,13 +50,13 @@ impl Bvh {
 
     /// Bounds of everything, or `None` if there is nothing.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let root = self.tree.nodes.first()?.aabb();
-        Some((root.min.as_dvec3(), root.max.as_dvec3()))
+        let all = &self.tree.total_aabb;
+        (!self.tree.nodes.is_empty()).then(|| (all.min.as_dvec3(), all.max.as_dvec3()))
     }
 
     /// Heap memory, bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<Bvh2Node>() * self.tree.nodes.len() + size_of::<u32>() * self.tree.primitive_indices.len()
+        size_of::<CwBvhNode>() * self.tree.nodes.len() + size_of::<u32>() * self.tree.primitive_indices.len()
     }
 
     /// Calls `leaf` with the leaf slots whose boxes the thick ray around `chord` meets, roughly front to back.
@@ -65,50 +69,46 @@ impl Bvh {
         if self.tree.nodes.is_empty() || length == 0.0 {
             return;
         }
+        let tree = &self.tree;
         let mut ray = ThickRay::new(chord, along / length, length);
-        let mut visit = |node: &Bvh2Node, ray: &mut ThickRay| {
-            for slot in node.first_index..node.first_index + node.prim_count {
-                ray.shorten(leaf(slot as usize));
-            }
-        };
-        let nodes = &self.tree.nodes[..];
-        let root = &nodes[0];
-        if ray.enters(root.aabb()) > ray.length {
-            return;
-        }
-        if root.is_leaf() {
-            return visit(root, &mut ray);
-        }
-        fast_stack!(u32, (96, 192), self.tree.max_depth, stack, {
-            let mut pair = root.first_index as usize;
-            loop {
-                let (mut near, mut far) = (&nodes[pair], &nodes[pair + 1]);
-                let (mut to_near, mut to_far) = (ray.enters(near.aabb()), ray.enters(far.aabb()));
-                if to_far < to_near {
-                    std::mem::swap(&mut near, &mut far);
-                    std::mem::swap(&mut to_near, &mut to_far);
-                }
-                let mut next = None;
-                if to_near <= ray.length {
-                    match near.is_leaf() {
-                        true => visit(near, &mut ray),
-                        false => next = Some(near.first_index),
-                    }
-                }
-                if to_far <= ray.length {
-                    match (far.is_leaf(), next) {
-                        (true, _) => visit(far, &mut ray),
-                        (false, None) => next = Some(far.first_index),
-                        (false, Some(_)) => stack.push(far.first_index),
-                    }
-                }
-                match next.or_else(|| stack.pop()) {
-                    Some(index) => pair = index as usize,
-                    None => return,
-                }
-            }
+        fast_stack!(UVec2, (32, 128), self.depth, stack, {
+            let mut state = Walk {
+                stack,
+                current_group: UVec2::new(0, 0x8000_0000),
+                primitive_group: UVec2::ZERO,
+                oct_inv4: ray.octant,
+                primitive_id: 0,
+                hitmask: 0,
+            };
+            let mut node;
+            traverse!(tree, node, state, ray.meets(node), {
+                ray.shorten(leaf(state.primitive_id as usize));
+            });
         })
     }
+}
+
+/// State of a walk, by the names that obvhs's `traverse` knows.
+struct Walk<S> {
+    stack: S,
+    current_group: UVec2,
+    primitive_group: UVec2,
+    oct_inv4: u32,
+    primitive_id: u32,
+    hitmask: u32,
+}
+
+/// Levels of a hierarchy: the most that a walk has to remember.
+fn depth(tree: &CwBvh) -> usize {
+    let mut deepest = 1;
+    let mut pending = vec![(0, 1)];
+    while let Some((index, level)) = pending.pop() {
+        let Some(node) = tree.nodes.get(index) else { continue };
+        deepest = deepest.max(level);
+        let inner = (0..8).filter(|&child| !node.is_child_empty(child) && !node.is_leaf(child));
+        pending.extend(inner.map(|child| (node.child_node_index(child) as usize, level + 1)));
+    }
+    deepest
 }
 
 /// The smallest f32 box that holds an f64 box.
@@ -126,11 +126,13 @@ fn outwards(min: DVec3, max: DVec3) -> Aabb {
 
 /// A chord in f32 with room for its sagitta and for the rounding of its start.
 struct ThickRay {
+    start: Vec3A,
     inverse: Vec3A,
-    /// Start minus and plus the radius: widening every box is moving the start.
-    start_minus: Vec3A,
-    start_plus: Vec3A,
+    /// Distance along the ray by which each pair of slabs is widened.
+    wider: Vec3A,
     length: f32,
+    /// Signs of the direction, as obvhs orders children.
+    octant: u32,
 }
 
 impl ThickRay {
@@ -138,27 +140,53 @@ impl ThickRay {
     fn new(chord: &Chord, direction: DVec3, length: f64) -> Self {
         let start = chord.start.as_vec3a();
         let rounding = f32::EPSILON * start.abs().max_element();
-        let radius = Vec3A::splat(chord.sagitta as f32 * (1.0 + 4.0 * f32::EPSILON) + rounding);
+        let radius = chord.sagitta as f32 * (1.0 + SLAB_ERROR) + rounding;
         let direction = direction.as_vec3a();
         let tiny = direction.abs().cmplt(Vec3A::splat(SMALLEST_DIRECTION));
-        let direction = Vec3A::select(tiny, Vec3A::splat(SMALLEST_DIRECTION), direction);
+        let inverse = Vec3A::select(tiny, Vec3A::splat(SMALLEST_DIRECTION), direction).recip();
+        let sign = |component: f32, bits: u32| if component < 0.0 { 0 } else { bits };
         Self {
-            inverse: direction.recip(),
-            start_minus: start - radius,
-            start_plus: start + radius,
+            start,
+            inverse,
+            wider: radius * inverse.abs(),
             length: length as f32 * (1.0 + SLAB_ERROR),
+            octant: sign(inverse.x, 0x0404_0404)
+                | sign(inverse.y, 0x0202_0202)
+                | sign(inverse.z, 0x0101_0101),
         }
     }
 
-    /// Distance at which the thick ray enters a box, infinite if it misses.
+    /// Mask of the children of `node` that the thick ray meets, as obvhs encodes it.
     #[inline(always)]
-    fn enters(&self, aabb: &Aabb) -> f32 {
-        let towards = (aabb.min - self.start_plus) * self.inverse;
-        let away = (aabb.max - self.start_minus) * self.inverse;
-        let (low, high) = (towards.min(away), towards.max(away));
-        let enter = low.max_element().max(0.0) * (1.0 - SLAB_ERROR);
-        let leave = high.min_element() * (1.0 + SLAB_ERROR);
-        if enter <= leave { enter } else { f32::INFINITY }
+    fn meets(&self, node: &CwBvhNode) -> u32 {
+        // Planes are at offset + q scale, q in 0..=255: the node's grid is transformed, not each box.
+        let scale = node.compute_extent() * self.inverse;
+        let offset = (Vec3A::from(node.p) - self.start) * self.inverse;
+        let wider = self.wider + SLAB_ERROR * (offset.abs() + 255.0 * scale.abs());
+        let (to_near, to_far) = (offset - wider, offset + wider);
+        let (child_bits, bit_index) = node.get_child_and_index_bits(self.octant);
+        let mut mask = 0;
+        for half in 0..2 {
+            let four = |bytes: &[u8; 8]| {
+                let at = |i: usize| f32::from(bytes[4 * half + i]);
+                Vec4::new(at(0), at(1), at(2), at(3))
+            };
+            let slab = |low: &[u8; 8], high: &[u8; 8], axis: usize| {
+                let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+                (four(near) * scale[axis] + to_near[axis], four(far) * scale[axis] + to_far[axis])
+            };
+            let x = slab(&node.child_min_x, &node.child_max_x, 0);
+            let y = slab(&node.child_min_y, &node.child_max_y, 1);
+            let z = slab(&node.child_min_z, &node.child_max_z, 2);
+            let enter = x.0.max(y.0).max(z.0).max(Vec4::ZERO);
+            let leave = x.1.min(y.1).min(z.1).min(Vec4::splat(self.length));
+            let met = enter.cmple(leave).bitmask();
+            for i in (0..4).filter(|i| met & (1 << i) != 0) {
+                let child = 4 * half + i;
+                mask |= extract_byte64(child_bits, child) << extract_byte64(bit_index, child);
+            }
+        }
+        mask
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Primitives, their intersection with segments of rays, and the BVH over them.
 //!
-//! Operation × shape is the file name: [`sphere`](self), triangle and disk files hold one intersection with a line and
-//! one with an arc; [`Segment`] is what the BVH asks of either.
+//! The files `sphere`, `triangle` and `disk` each hold one intersection with a line and one with an arc; [`Segment`] is
+//! what the BVH asks of either.
 
 mod bvh;
 mod disk;

@@ -12,7 +12,7 @@ use super::distance::Reach;
 use super::{Disk, Instance, Mesh, Primitives, Segment, Sphere, Surface, Triangle};
 
 /// Names a primitive; for triangles of an instance both numbers matter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrimitiveId {
     item: u32,
     triangle: u32,
@@ -250,7 +250,8 @@ impl Geometry {
 
     /// The first primitive that `segment` meets; `leaves` is the one it starts on.
     ///
-    /// Where two primitives are met at the very same parameter the smaller identity wins, whatever the build's order.
+    /// Where two primitives are met at the very same parameter the one that was given first wins, whatever the order of
+    /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
         let segment = &segment.transformed(&DAffine3::from_translation(-self.origin));
@@ -273,7 +274,7 @@ impl Geometry {
             };
             let Some((s, triangle)) = found else { return f64::INFINITY };
             let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
-            if nearest.is_none_or(|best| hit.is_before(&best)) {
+            if nearest.is_none_or(|best| self.is_before(&hit, &best)) {
                 nearest = Some(hit);
             }
             (segment.point(s) - chord.start).dot(direction)
@@ -314,7 +315,7 @@ impl Geometry {
         let mut consider = |s: Option<f64>, primitive: PrimitiveId| {
             let Some(s) = s else { return };
             let hit = Hit { s, primitive };
-            if nearest.is_none_or(|best| hit.is_before(&best)) {
+            if nearest.is_none_or(|best| self.is_before(&hit, &best)) {
                 nearest = Some(hit);
             }
         };
@@ -338,6 +339,11 @@ impl Geometry {
             }
         }
         nearest
+    }
+
+    fn is_before(&self, a: &Hit, b: &Hit) -> bool {
+        let given = |hit: &Hit| (self.bvh.order()[hit.primitive.item as usize], hit.primitive.triangle);
+        a.s < b.s || (a.s == b.s && given(a) < given(b))
     }
 
     /// Signed distance-like function of a primitive's carrier (sphere or plane) at a world point, and its gradient:
@@ -498,12 +504,6 @@ impl Geometry {
             + self.triangles.len() * (size_of::<Triangle>() + size_of::<Source>())
             + self.meshes.iter().map(Mesh::memory_bytes).sum::<usize>()
             + self.shared.iter().flatten().map(shared).sum::<usize>()
-    }
-}
-
-impl Hit {
-    fn is_before(&self, other: &Hit) -> bool {
-        self.s < other.s || (self.s == other.s && self.primitive < other.primitive)
     }
 }
 

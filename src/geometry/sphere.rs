@@ -46,6 +46,9 @@ pub fn cross_arc(arc: &Arc, sphere: &Sphere, leaves: bool) -> Option<f64> {
     // |homogeneous point|² − r² weight², in Bernstein form. A start on the sphere defines the radius, so that it is a
     // root exactly.
     let r2 = if leaves { a.length_squared() } else { sphere.radius * sphere.radius };
+    if stays_clear(a.length_squared() - r2, r2, (b - a).length_squared().max((c - a).length_squared())) {
+        return None;
+    }
     let end = c.length_squared() - r2;
     let middle = (a.dot(c) - r2 + 2.0 * w * w * (b.length_squared() - r2)) * (1.0 / 3.0);
     let second = w * (b.dot(c) - r2);
@@ -55,6 +58,15 @@ pub fn cross_arc(arc: &Arc, sphere: &Sphere, leaves: bool) -> Option<f64> {
         return first_sign_change([4.0 * first, 2.0 * middle, 4.0 / 3.0 * second, end]);
     }
     first_sign_change([a.length_squared() - r2, w * (a.dot(b) - r2), middle, second, end])
+}
+
+/// Whether nothing within the distance √`reach2` of a point meets a sphere of squared radius `r2`, given |from centre|²
+/// − r² of the point: the distance d of the point from the centre satisfies |d − r| > reach, without square roots.
+#[inline(always)]
+fn stays_clear(excess: f64, r2: f64, reach2: f64) -> bool {
+    let beside = excess - reach2;
+    let beyond = excess > reach2 || (excess < 0.0 && r2 > reach2);
+    beyond && beside * beside > 4.0 * r2 * reach2
 }
 
 #[cfg(test)]
@@ -100,6 +112,24 @@ mod tests {
             }
         }
         assert!(hits > 3000);
+    }
+
+    #[test]
+    fn a_point_stays_clear_of_a_sphere_when_its_reach_ends_before_it() {
+        for (distance, reach, clear) in [
+            (5.0f64, 2.9, true),
+            (5.0, 3.1, false),
+            (0.5, 1.4, true),
+            (0.5, 1.6, false),
+            (0.5, 9.0, false),
+            (2.0, 1e-3, false),
+        ] {
+            assert_eq!(
+                stays_clear(distance * distance - 4.0, 4.0, reach * reach),
+                clear,
+                "{distance} {reach}"
+            );
+        }
     }
 
     #[test]

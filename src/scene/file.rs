@@ -113,7 +113,7 @@ pub struct RenderTable {
     pub schedule: Option<Schedule>,
     /// Sampler.
     pub sampler: Option<SamplerKind>,
-    /// Relative error per step.
+    /// Radians of direction per step.
     pub tolerance: Option<Number>,
     /// Scene units.
     pub arc_tolerance: Option<Number>,

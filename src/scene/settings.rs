@@ -69,7 +69,7 @@ pub struct Settings {
     pub schedule: Schedule,
     /// Random numbers.
     pub sampler: SamplerKind,
-    /// Largest error of one step relative to the distance from the centre.
+    /// Largest estimated error of a step's direction, radians.
     pub tolerance: f64,
     /// Largest distance between an arc and the true curve, scene units; `None`: from the pixel footprint.
     pub arc_tolerance: Option<f64>,

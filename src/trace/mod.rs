@@ -183,11 +183,23 @@ impl Errand for Renderer<'_> {
         };
         tile::assemble(&tiles, &run.aovs, &mut image);
         let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
+        image.attributes = self.attributes(spp);
         Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
     }
 }
 
 impl Renderer<'_> {
+    /// What the file says of itself; entity names only beside the plane of their numbers.
+    fn attributes(&self, spp: u32) -> Vec<(String, String)> {
+        let mut attributes =
+            vec![("spp".into(), spp.to_string()), ("seed".into(), self.scene.settings.seed.to_string())];
+        if self.run.aovs.contains(&Aov::Entity) {
+            let names = self.scene.entities.iter().enumerate();
+            attributes.extend(names.map(|(index, name)| (format!("entity.{}", index + 1), name.clone())));
+        }
+        attributes
+    }
+
     /// All passes over all tiles.
     fn passes<T: Transport>(
         &self,

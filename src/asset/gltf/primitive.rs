@@ -23,6 +23,9 @@ pub(super) fn read(
     if primitive.morph_targets().len() > 0 {
         notes.add("shape keys (morph targets) are ignored, in mesh", name);
     }
+    if primitive.get(&Semantic::Colors(0)).is_some() {
+        notes.add("vertex colours are ignored, in mesh", name);
+    }
     let position = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;

@@ -1,4 +1,4 @@
-//! What the camera ray meets, for the planes that were asked for.
+//! What the camera ray meets and how many steps its path takes, for the planes that were asked for.
 
 use super::super::path::Path;
 use super::super::samples::{Fate, FirstHit, Samples};
