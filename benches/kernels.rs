@@ -33,7 +33,7 @@ use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
 const ITEMS: usize = 4096;
 /// A hole in the middle of the mesh, whose radius is about 1.
 const HOLE: f64 = 0.2;
-const CONTROL: Control = Control { tolerance: 1e-5, arc_tolerance: 1e-4 };
+const CONTROL: Control = Control { tolerance: 1e-5, arc_tolerance: 1e-4, stride: 0.486 };
 
 fn main() {
     println!("{}", BENCH_SCENE.describe());

@@ -12,6 +12,8 @@ pub struct Control {
     pub tolerance: f64,
     /// Largest distance between an arc and the curve, scene units.
     pub arc_tolerance: f64,
+    /// Longest step relative to the distance from the centre.
+    pub stride: f64,
 }
 
 /// A step, judged.
@@ -29,8 +31,16 @@ pub struct Verdict {
 const GROWTH: (f64, f64) = (0.2, 1.7);
 /// Aims a little below the tolerance, so that most steps are accepted.
 const SAFETY: f64 = 0.85;
+/// Longest step relative to the distance from the centre at any tolerance: an inward ray must not step past the centre
+/// unnoticed.
+const LONGEST_STRIDE: f64 = 0.5;
 
 impl Control {
+    /// Control of the steps that `stepper` takes.
+    pub fn new(stepper: &impl Stepper, tolerance: f64, arc_tolerance: f64) -> Self {
+        Self { tolerance, arc_tolerance, stride: stepper.stride(tolerance).min(LONGEST_STRIDE) }
+    }
+
     /// Fits the arc to `step` and judges both.
     ///
     /// Good steps scale as the inverse root of the pull g of the field (the frequency of small oscillations), so the
@@ -51,7 +61,9 @@ impl Control {
         // (g at the start / g at the end)^½ with g = |f|/|x|.
         let pulls = f0.length_squared() * x1.length_squared() / (f1.length_squared() * x0.length_squared());
         let field = if accepted && pulls.is_finite() { pulls.sqrt().sqrt() } else { 1.0 };
-        Verdict { arc, accepted, next_h: step.h * factor * field }
+        let next_h = step.h * factor * field;
+        let longest = self.stride * (x1.length_squared() / p1.length_squared()).sqrt();
+        Verdict { arc, accepted, next_h: if accepted { next_h.min(longest) } else { next_h } }
     }
 
     /// A first step for a ray at `x` with momentum `p`: what the stepper reaches in a field that changes slowly, taken
@@ -69,6 +81,7 @@ impl Control {
         let ahead = (-x.dot(p)).max(0.0) / p.length_squared();
         let here = reach / medium.pull(s).sqrt();
         let nearest = (x + here.min(ahead) * p).length_squared();
-        reach / medium.pull(nearest.max(0.25 * s)).sqrt()
+        let longest = self.stride * (s / p.length_squared()).sqrt();
+        (reach / medium.pull(nearest.max(0.25 * s)).sqrt()).min(longest)
     }
 }

@@ -27,4 +27,9 @@ impl Stepper for Rkn4 {
     fn reach(&self, tolerance: f64) -> f64 {
         (18.0 * tolerance).sqrt().sqrt()
     }
+
+    /// Measured past a point mass: the kick of a step is off by 0.04 stride⁵ r_s/ρ, taken at ρ = 10 r_s.
+    fn stride(&self, tolerance: f64) -> f64 {
+        (250.0 * tolerance).powf(1.0 / 5.0)
+    }
 }

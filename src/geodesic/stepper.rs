@@ -24,6 +24,11 @@ pub trait Stepper: Copy + Send + Sync {
 
     /// Step length at which the error estimate is about `tolerance`, times the root of the field's pull.
     fn reach(&self, tolerance: f64) -> f64;
+
+    /// Step length relative to the distance from the centre at which the error that the estimate does not see is about
+    /// `tolerance`: the estimate is of second order in the field, and where that is weak the error is that of the
+    /// quadrature along a nearly straight ray, of first order.
+    fn stride(&self, tolerance: f64) -> f64;
 }
 
 impl Step {

@@ -14,9 +14,10 @@ pub fn cross_line(line: &Line, sphere: &Sphere, leaves: bool) -> Option<f64> {
     let a = along.length_squared();
     let b = from.dot(along);
     if leaves {
-        // |from| is the radius: a s² + 2 b s = 0 has the other root −2b/a.
+        // |from| is the radius: a s² + 2 b s = 0 has the other root −2b/a. At the very end it counts: from there on,
+        // the sphere is left for a segment that starts on it.
         let s = -2.0 * b / a;
-        return (s > 0.0 && s < 1.0).then_some(s);
+        return (s > 0.0 && s <= 1.0).then_some(s);
     }
     let r2 = sphere.radius * sphere.radius;
     let c = from.length_squared() - r2;

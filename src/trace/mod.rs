@@ -9,6 +9,7 @@ mod paper;
 mod path;
 mod per_pixel;
 mod samples;
+mod shoot;
 pub mod stages;
 mod stats;
 mod straight;
@@ -32,10 +33,11 @@ use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::Curved;
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
+pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
-use transport::Transport;
+use transport::{Errand, Transport};
 use wavefront::Wavefront;
 use work::Job;
 
@@ -96,10 +98,14 @@ pub fn render(
     cancel: &AtomicBool,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Rendered {
-    let renderer = Renderer { scene, run, cancel, progress };
+    with_transport(scene, Renderer { scene, run, cancel, progress })
+}
+
+/// Runs `errand` with the transport that the scene's spacetime and settings call for.
+fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     let settings = &scene.settings;
     let (center, r_s) = match scene.spacetime {
-        SpacetimeKind::Flat => return renderer.render(&Straight::new(scene.geometry.bounds())),
+        SpacetimeKind::Flat => return errand.run(&Straight::new(scene.geometry.bounds())),
         SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => (center, schwarzschild_radius),
     };
     let medium = Schwarzschild::new(r_s);
@@ -107,9 +113,9 @@ pub fn render(
     let chart = Chart::new(&medium, nearest, farthest, TAIL * settings.tolerance);
     let hole = Hole { medium, center, chart };
     match settings.stepper {
-        StepperKind::Rk4Paper => renderer.render(&PaperMarch { medium, center, chart }),
-        StepperKind::Rkn4 => renderer.render(&hole.curved(scene, Rkn4)),
-        StepperKind::Rkn5 => renderer.render(&hole.curved(scene, Rkn5)),
+        StepperKind::Rk4Paper => errand.run(&PaperMarch { medium, center, chart }),
+        StepperKind::Rkn4 => errand.run(&hole.curved(scene, Rkn4)),
+        StepperKind::Rkn5 => errand.run(&hole.curved(scene, Rkn5)),
     }
 }
 
@@ -125,10 +131,10 @@ impl<M: ConformallyFlat> Hole<M> {
         let arc_tolerance = scene.arc_tolerance();
         Curved {
             medium: self.medium,
+            control: Control::new(&stepper, scene.settings.tolerance, arc_tolerance),
             stepper,
             center: self.center,
             chart: self.chart,
-            control: Control { tolerance: scene.settings.tolerance, arc_tolerance },
             longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
             bounds: scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY)),
         }
@@ -147,8 +153,10 @@ struct Renderer<'a> {
     progress: &'a (dyn Fn(Progress) + Sync),
 }
 
-impl Renderer<'_> {
-    fn render<T: Transport>(&self, transport: &T) -> Rendered {
+impl Errand for Renderer<'_> {
+    type Output = Rendered;
+
+    fn run<T: Transport>(self, transport: &T) -> Rendered {
         let (settings, run) = (&self.scene.settings, self.run);
         let sampler = match settings.sampler {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
@@ -178,7 +186,9 @@ impl Renderer<'_> {
         image.attributes = self.attributes(spp);
         Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
     }
+}
 
+impl Renderer<'_> {
     /// What the file says of itself; entity names only beside the plane of their numbers.
     fn attributes(&self, spp: u32) -> Vec<(String, String)> {
         let mut attributes =

@@ -81,3 +81,12 @@ pub trait Transport: Sync {
     /// Coordinate length of a move, up to `point` if given.
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
 }
+
+/// Something to be done with whichever transport a scene calls for.
+pub trait Errand {
+    /// What it gives.
+    type Output;
+
+    /// Does it.
+    fn run<T: Transport>(self, transport: &T) -> Self::Output;
+}

@@ -1,0 +1,74 @@
+//! Single rays, for those who want to know where light goes rather than what it shows.
+
+use std::convert::Infallible;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::stages::intersect::intersect;
+use super::stats::Counters;
+use super::transport::{Errand, Outcome, Transport};
+use super::with_transport;
+use crate::geometry::{Geometry, PrimitiveId};
+use crate::scene::Baked;
+
+/// A ray to be followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// World start.
+    pub position: DVec3,
+    /// Unit direction in the static frame.
+    pub direction: DVec3,
+    /// What it starts on: [`PrimitiveId::NONE`] in free space.
+    pub leaves: PrimitiveId,
+}
+
+/// Where a ray went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// How it ended; never flying.
+    pub end: Outcome<Infallible>,
+    /// March steps, rejected ones included.
+    pub steps: u64,
+    /// BVH queries.
+    pub queries: u64,
+}
+
+/// Follows `rays` through `scene`, each to the first thing it meets or to where it is lost, on all threads.
+pub fn shoot(scene: &Baked, rays: &[Ray]) -> Vec<Shot> {
+    with_transport(scene, Shooting { geometry: &scene.geometry, rays })
+}
+
+struct Shooting<'a> {
+    geometry: &'a Geometry,
+    rays: &'a [Ray],
+}
+
+impl Errand for Shooting<'_> {
+    type Output = Vec<Shot>;
+
+    fn run<T: Transport>(self, transport: &T) -> Vec<Shot> {
+        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray)).collect()
+    }
+}
+
+fn follow<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Shot {
+    let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
+    let mut counters = Counters::default();
+    loop {
+        let step = transport.advance(&flight);
+        let found = intersect(transport, geometry, &flight, &step, &mut counters);
+        let end = match transport.settle(geometry, &flight, &step, found) {
+            Outcome::Flying(next) => {
+                flight = next;
+                continue;
+            }
+            Outcome::Landed(landing) => Outcome::Landed(landing),
+            Outcome::Escaped(direction) => Outcome::Escaped(direction),
+            Outcome::Captured => Outcome::Captured,
+            Outcome::StepLimit => Outcome::StepLimit,
+            Outcome::NonFinite => Outcome::NonFinite,
+        };
+        return Shot { end, steps: counters.steps, queries: counters.queries };
+    }
+}

@@ -1,0 +1,112 @@
+//! A picture depends on nothing but the scene: not on schedule, threads, batches or crop.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use common::{render, scene_file, scene_path};
+use warpfront::film::{Aov, Image};
+use warpfront::scene::SpacetimeKind;
+use warpfront::trace::Run;
+
+const SMALL: [&str; 3] = ["film.width=48", "film.height=36", "render.spp=4"];
+
+fn scenes() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(scene_path("")).expect("scenes");
+    let paths = entries.map(|entry| entry.expect("entry").path());
+    let mut scenes: Vec<PathBuf> =
+        paths.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    scenes.sort();
+    assert!(scenes.len() >= 9, "{scenes:?}");
+    scenes
+}
+
+/// A run with every plane there is.
+fn run() -> Run {
+    Run { aovs: Aov::value_variants().to_vec(), ..Run::default() }
+}
+
+fn image(path: &Path, overrides: &[&str], run: &Run) -> Image {
+    render(&scene_file(path, &[&SMALL, overrides].concat()), run).image
+}
+
+fn assert_same_bits(one: &Image, other: &Image, what: &str) {
+    assert_eq!((one.size, one.planes.len()), (other.size, other.planes.len()), "{what}");
+    for (a, b) in one.planes.iter().zip(&other.planes) {
+        let pairs = || a.values.iter().zip(&b.values);
+        let different = pairs().filter(|(x, y)| x.to_bits() != y.to_bits()).count();
+        let first = pairs().position(|(x, y)| x.to_bits() != y.to_bits());
+        assert_eq!(different, 0, "{what}: plane {} differs, first at {first:?}", a.name);
+    }
+}
+
+fn assert_schedules_agree(path: &Path, overrides: &[&str]) {
+    let with = |schedule| image(path, &[overrides, &[schedule]].concat(), &run());
+    let what = format!("{} {overrides:?}", path.display());
+    assert_same_bits(&with("render.schedule=wavefront"), &with("render.schedule=per-pixel"), &what);
+}
+
+#[test]
+fn both_schedules_give_the_same_bits_in_every_scene() {
+    scenes().iter().for_each(|path| assert_schedules_agree(path, &[]));
+}
+
+#[test]
+fn both_schedules_give_the_same_bits_with_every_stepper_and_sampler() {
+    let path = scene_path("cornell_black_hole.toml");
+    for stepper in ["rkn4", "rkn5", "rk4-paper"] {
+        assert_schedules_agree(&path, &[&format!("render.stepper={stepper}")]);
+    }
+    assert_schedules_agree(&path, &["render.sampler=independent"]);
+}
+
+#[test]
+fn one_two_and_three_threads_give_the_same_bits() {
+    for name in ["cornell_black_hole.toml", "teapot_black_hole.toml"] {
+        let with = |threads| image(&scene_path(name), &[], &Run { threads, ..run() });
+        let one = with(1);
+        assert_same_bits(&one, &with(2), name);
+        assert_same_bits(&one, &with(3), name);
+    }
+}
+
+#[test]
+fn small_and_large_batches_give_the_same_bits() {
+    for name in ["cornell_black_hole.toml", "cornell_flat.toml"] {
+        let with = |batch| image(&scene_path(name), &[], &Run { batch, ..run() });
+        assert_same_bits(&with(64), &with(65536), name);
+    }
+}
+
+#[test]
+fn a_crop_holds_the_pixels_of_the_whole_picture() {
+    let path = scene_path("cornell_black_hole.toml");
+    let [x0, y0, x1, y1] = [5, 7, 41, 30];
+    let whole = image(&path, &[], &run());
+    let crop = image(&path, &[], &Run { crop: Some([x0, y0, x1, y1]), ..run() });
+    assert_eq!((crop.origin, crop.size), ((x0, y0), (x1 - x0, y1 - y0)));
+    let mut cut = whole.clone();
+    cut.size = crop.size;
+    for plane in &mut cut.planes {
+        let rows = plane.values.chunks(whole.size.0).skip(y0).take(y1 - y0);
+        plane.values = rows.flat_map(|row| row[x0..x1].to_vec()).collect();
+    }
+    assert_same_bits(&cut, &crop, "crop");
+}
+
+#[test]
+fn a_hole_of_radius_zero_is_flat_space_to_the_last_bit() {
+    let overrides = [&SMALL[..], &["spacetime.schwarzschild_radius=0"]].concat();
+    let empty = scene_file(&scene_path("cornell_series.toml"), &overrides);
+    assert_eq!(empty.spacetime, SpacetimeKind::Flat);
+    let flat = image(&scene_path("cornell_flat.toml"), &[], &run());
+    assert_same_bits(&flat, &render(&empty, &run()).image, "r_s = 0");
+}
+
+#[test]
+fn another_seed_gives_another_picture() {
+    let path = scene_path("cornell_flat.toml");
+    let with = |seed| image(&path, &[seed], &Run::default()).plane("R").expect("R").to_vec();
+    assert_ne!(with("render.seed=1"), with("render.seed=2"));
+}
