@@ -61,9 +61,13 @@ impl Control {
         // (g at the start / g at the end)^½ with g = |f|/|x|.
         let pulls = f0.length_squared() * x1.length_squared() / (f1.length_squared() * x0.length_squared());
         let field = if accepted && pulls.is_finite() { pulls.sqrt().sqrt() } else { 1.0 };
-        let next_h = step.h * factor * field;
-        let longest = self.stride * (x1.length_squared() / p1.length_squared()).sqrt();
-        Verdict { arc, accepted, next_h: if accepted { next_h.min(longest) } else { next_h } }
+        Verdict { arc, accepted, next_h: step.h * factor * field }
+    }
+
+    /// A step of at most `h` for a ray at `x` with momentum `p`, within the stride that the stepper can answer for.
+    #[inline(always)]
+    pub fn within_stride(&self, h: f64, x: DVec3, p: DVec3) -> f64 {
+        h.min(self.stride * (x.length_squared() / p.length_squared()).sqrt())
     }
 
     /// A first step for a ray at `x` with momentum `p`: what the stepper reaches in a field that changes slowly, taken
@@ -81,7 +85,6 @@ impl Control {
         let ahead = (-x.dot(p)).max(0.0) / p.length_squared();
         let here = reach / medium.pull(s).sqrt();
         let nearest = (x + here.min(ahead) * p).length_squared();
-        let longest = self.stride * (s / p.length_squared()).sqrt();
-        (reach / medium.pull(nearest.max(0.25 * s)).sqrt()).min(longest)
+        self.within_stride(reach / medium.pull(nearest.max(0.25 * s)).sqrt(), x, p)
     }
 }

@@ -77,13 +77,13 @@ fn halves<const N: usize>(mut c: [f64; N]) -> ([f64; N], [f64; N]) {
     (left, right)
 }
 
-/// Value of the polynomial at `s`, by de Casteljau's algorithm.
+/// Value of the polynomial at `s`, by de Casteljau's algorithm, in the form that is exact at both ends.
 #[inline]
 fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
     let mut c = *c;
     for level in 1..N {
         for i in 0..N - level {
-            c[i] += s * (c[i + 1] - c[i]);
+            c[i] = (1.0 - s) * c[i] + s * c[i + 1];
         }
     }
     c[0]
@@ -94,11 +94,13 @@ fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
 fn bracketed_root<const N: usize>(c: &[f64; N]) -> f64 {
     let (mut a, mut b) = (0.0, 1.0);
     let (mut fa, mut fb) = (c[0], c[N - 1]);
-    let scale = fa.abs().max(fb.abs());
+    // Beside the smaller end: an end that is zero but for rounding is not to be taken for the root.
+    let scale = fa.abs().min(fb.abs());
     let mut side = 0i8;
     for iteration in 0..100 {
-        let s = if iteration % 8 == 7 { 0.5 * (a + b) } else { (a * fb - b * fa) / (fb - fa) };
-        let s = s.clamp(a, b);
+        let secant = (a * fb - b * fa) / (fb - fa);
+        let inside = secant > a && secant < b;
+        let s = if inside && iteration % 8 != 7 { secant } else { 0.5 * (a + b) };
         let f = value(c, s);
         if f.abs() <= 1e-15 * scale || b - a <= 4e-16 {
             return s;

@@ -213,7 +213,7 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
                 position: step.position,
                 momentum: step.momentum,
                 force: step.force,
-                h: step.next_h,
+                h: self.control.within_stride(step.next_h, step.position, step.momentum),
                 leaves: PrimitiveId::NONE,
                 steps,
             }),
