@@ -31,6 +31,9 @@ const SMALLEST_DIRECTION: f32 = 1e-18;
 /// Slab distances are sums of two products of rounded factors: their error beside the larger term, with room to spare.
 const SLAB_ERROR: f32 = 4.0 * f32::EPSILON;
 
+/// Up to this many primitives are tested one after the other, without a walk. Measured on the paper's nine spheres.
+const FEW: usize = 12;
+
 impl Bvh {
     /// Builds the hierarchy, on all threads. Boxes are (min, max), finite, and within f32's range.
     pub fn build(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> Self {
@@ -59,7 +62,8 @@ impl Bvh {
         size_of::<CwBvhNode>() * self.tree.nodes.len() + size_of::<u32>() * self.tree.primitive_indices.len()
     }
 
-    /// Calls `leaf` with the leaf slots whose boxes the thick ray around `chord` meets, roughly front to back.
+    /// Calls `leaf` with the leaf slots whose boxes the thick ray around `chord` meets, roughly front to back; where
+    /// there are few, with all.
     ///
     /// `leaf` gives the distance along the chord at which the search may end (infinity: no change).
     #[inline(always)]
@@ -70,6 +74,9 @@ impl Bvh {
             return;
         }
         let tree = &self.tree;
+        if tree.primitive_indices.len() <= FEW {
+            return (0..tree.primitive_indices.len()).for_each(|slot| _ = leaf(slot));
+        }
         let mut ray = ThickRay::new(chord, along / length, length);
         fast_stack!(UVec2, (32, 128), self.depth, stack, {
             let mut state = Walk {
@@ -221,7 +228,9 @@ mod tests {
             assert_eq!(met, (0..count as u32).collect::<Vec<_>>(), "{count} boxes");
             let beside =
                 Chord { start: DVec3::new(-5.0, 1.1, 0.2), end: DVec3::new(1e4, 1.1, 0.2), sagitta: 0.05 };
-            bvh.walk(&beside, |slot| panic!("{count} boxes: slot {slot} is not on the way"));
+            if count > FEW {
+                bvh.walk(&beside, |slot| panic!("{count} boxes: slot {slot} is not on the way"));
+            }
         }
     }
 
