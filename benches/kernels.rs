@@ -1,9 +1,9 @@
 //! Micro-benchmarks of the kernels, one core: `cargo bench`, or `cargo bench -- search` for a part.
 //!
-//! `search` measures the choice of hierarchy: the engine's own walk over a binary BVH, which widens every box by the
-//! sagitta of the arc at hand, against obvhs's own traversals of its eight-wide `CwBvh` and of its `Bvh2`, whose boxes
-//! must be inflated by the largest sagitta when they are built, and against a thick walk of the `CwBvh`. All test the same f64 primitives; how many hits each
-//! finds is printed first, and the numbers must agree.
+//! `search` measures the choice of hierarchy: the engine's own walk over the eight-wide `CwBvh`, which widens every box
+//! by the sagitta of the arc at hand, against obvhs's own traversals of its `CwBvh` and of its `Bvh2`, whose boxes must
+//! be inflated by the largest sagitta when they are built. All test the same f64 primitives; how many hits each finds is
+//! printed first, and the numbers must agree.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -12,14 +12,13 @@ use std::time::Duration;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use glam::{DAffine3, DVec3, UVec2, Vec3A, Vec4};
+use glam::{DAffine3, DVec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::cwbvh::node::{CwBvhNode, extract_byte64};
 use obvhs::ray::{Ray, RayHit};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -185,16 +184,6 @@ mod search {
     }
 
     #[divan::bench]
-    fn arcs_thick_cwbvh(bencher: Bencher) {
-        count(bencher, &BENCH_SCENE.arcs, |arc| ThickWide(&BENCH_SCENE.wide).find(arc));
-    }
-
-    #[divan::bench]
-    fn rays_thick_cwbvh(bencher: Bencher) {
-        count(bencher, &BENCH_SCENE.lines, |line| ThickWide(&BENCH_SCENE.wide).find(line));
-    }
-
-    #[divan::bench]
     fn arcs_bvh2_inflated(bencher: Bencher) {
         count(bencher, &BENCH_SCENE.arcs, |arc| BENCH_SCENE.binary_inflated.find(arc));
     }
@@ -269,19 +258,17 @@ impl BenchScene {
         let hits = |found: &mut dyn Iterator<Item = Option<f64>>| found.flatten().count();
         let arcs = [
             hits(&mut self.arcs.iter().map(|arc| self.walk(arc))),
-            hits(&mut self.arcs.iter().map(|arc| ThickWide(&self.wide).find(arc))),
             hits(&mut self.arcs.iter().map(|arc| self.wide_inflated.find(arc))),
             hits(&mut self.arcs.iter().map(|arc| self.binary_inflated.find(arc))),
         ];
         let lines = [
             hits(&mut self.lines.iter().map(|line| self.walk(line))),
-            hits(&mut self.lines.iter().map(|line| ThickWide(&self.wide).find(line))),
             hits(&mut self.lines.iter().map(|line| self.wide.find(line))),
             hits(&mut self.lines.iter().map(|line| self.binary.find(line))),
         ];
         let length: f64 = self.arcs.iter().map(|arc| arc.p0.distance(arc.p2)).sum();
         format!(
-            "{} triangles; {} arcs of mean length {:.3}: {arcs:?} hits; {} rays: {lines:?} hits (own walk, thick CwBvh, CwBvh, Bvh2)",
+            "{} triangles; {} arcs of mean length {:.3}: {arcs:?} hits; {} rays: {lines:?} hits (own walk, CwBvh, Bvh2)",
             self.geometry.counts().triangles,
             self.arcs.len(),
             length / self.arcs.len() as f64,
@@ -362,85 +349,6 @@ impl<T: Hierarchy> Theirs<T> {
             (segment.point(s) - start).dot(direction) as f32
         });
         nearest
-    }
-}
-
-/// What the choice could be instead: the eight-wide hierarchy over plain boxes, walked with a thick ray.
-///
-/// The node test is that of `CwBvhNode::intersect_ray` with its near planes drawn nearer and its far planes drawn
-/// farther by the sagitta, and without its loss of near hits.
-struct ThickWide<'a>(&'a Theirs<CwBvh>);
-
-/// A thick ray, as the nodes of the wide hierarchy see it.
-struct ThickRay {
-    start: Vec3A,
-    inverse: Vec3A,
-    /// Distance along the ray by which each slab is widened.
-    wider: Vec3A,
-    length: f32,
-}
-
-impl ThickWide<'_> {
-    fn find(&self, segment: &impl Segment) -> Option<f64> {
-        let Theirs { tree, triangles } = self.0;
-        let chord = segment.chord();
-        let along = chord.end - chord.start;
-        let length = along.length();
-        let direction = along / length;
-        let start = chord.start.as_vec3a();
-        let inverse = direction.as_vec3a().recip().clamp(Vec3A::splat(-1e30), Vec3A::splat(1e30));
-        let radius = chord.sagitta as f32 * (1.0 + 4.0 * f32::EPSILON)
-            + 4.0 * f32::EPSILON * (start.abs().max_element() + length as f32);
-        let wider = radius * inverse.abs();
-        let mut ray = ThickRay { start, inverse, wider, length: length as f32 * (1.0 + 4.0 * f32::EPSILON) };
-        let mut nearest: Option<f64> = None;
-        let mut state = tree.new_traversal(direction.as_vec3a());
-        let mut node;
-        obvhs::traverse!(tree, node, state, ray.children(node, state.oct_inv4), {
-            if let Some(s) = segment.cross_triangle(&triangles[state.primitive_id as usize], false) {
-                nearest = Some(nearest.map_or(s, |best| best.min(s)));
-                let distance = (segment.point(s) - chord.start).dot(direction) as f32;
-                ray.length = ray.length.min(distance * (1.0 + 4.0 * f32::EPSILON));
-            }
-        });
-        nearest
-    }
-}
-
-impl ThickRay {
-    /// Mask of the children that the ray meets.
-    #[inline(always)]
-    fn children(&self, node: &CwBvhNode, octant: u32) -> u32 {
-        let scale = node.compute_extent() * self.inverse;
-        let offset = (Vec3A::from(node.p) - self.start) * self.inverse;
-        let (to_near, to_far) = (offset - self.wider, offset + self.wider);
-        let (child_bits, bit_index) = node.get_child_and_index_bits(octant);
-        let mut mask = 0;
-        for half in 0..2 {
-            let four = |bytes: &[u8; 8]| {
-                let at = |i: usize| f32::from(bytes[4 * half + i]);
-                Vec4::new(at(0), at(1), at(2), at(3))
-            };
-            let slab = |low: &[u8; 8], high: &[u8; 8], axis: usize| {
-                let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
-                (four(near) * scale[axis] + to_near[axis], four(far) * scale[axis] + to_far[axis])
-            };
-            let (x, y, z) = (
-                slab(&node.child_min_x, &node.child_max_x, 0),
-                slab(&node.child_min_y, &node.child_max_y, 1),
-                slab(&node.child_min_z, &node.child_max_z, 2),
-            );
-            let enter = x.0.max(y.0).max(z.0).max(Vec4::ZERO);
-            let leave = x.1.min(y.1).min(z.1).min(Vec4::splat(self.length));
-            let met = enter.cmple(leave).bitmask();
-            for i in 0..4 {
-                if met & (1 << i) != 0 {
-                    let child = 4 * half + i;
-                    mask |= extract_byte64(child_bits, child) << extract_byte64(bit_index, child);
-                }
-            }
-        }
-        mask
     }
 }
 

@@ -8,11 +8,16 @@ use crate::film::{Aov, BEAUTY};
 use crate::scene::Settings;
 use crate::trace::Run;
 
-/// Bytes that a picture of this many pixels needs: sample sums and finished planes in f32, and the 8-bit preview.
+/// Bytes of a pixel's sums: four channels, and what is known of first hits, in f64.
+const SUMS: (usize, usize) = (4 * size_of::<f64>(), 16 * size_of::<f64>());
+/// Bytes of a pixel of the preview.
+const PREVIEW: usize = 3;
+
+/// Bytes that a picture of this many pixels needs: sums over samples, finished planes in f32, and the preview.
 pub(super) fn film_bytes(pixels: u64, aovs: &[Aov]) -> u64 {
     let channels = BEAUTY.len() + aovs.iter().map(|aov| aov.channels().len()).sum::<usize>();
-    let sums_and_planes = 2 * channels * size_of::<f32>();
-    pixels.saturating_mul(sums_and_planes as u64 + 3)
+    let sums = if aovs.is_empty() { SUMS.0 } else { SUMS.0 + SUMS.1 };
+    pixels.saturating_mul((sums + channels * size_of::<f32>() + PREVIEW) as u64)
 }
 
 /// Bytes that are free, the limits of a container included; `None` where the system does not tell.
@@ -46,8 +51,8 @@ mod tests {
 
     #[test]
     fn planes_that_are_asked_for_count() {
-        assert_eq!(film_bytes(10, &[]), 10 * (2 * 4 * 4 + 3));
-        assert_eq!(film_bytes(10, &[Aov::Depth, Aov::Normal]), 10 * (2 * 8 * 4 + 3));
+        assert_eq!(film_bytes(10, &[]), 10 * (4 * 8 + 4 * 4 + 3));
+        assert_eq!(film_bytes(10, &[Aov::Depth, Aov::Normal]), 10 * (20 * 8 + 8 * 4 + 3));
         assert_eq!(film_bytes(u64::MAX, &[]), u64::MAX);
     }
 

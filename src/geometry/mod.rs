@@ -3,6 +3,7 @@
 //! The files `sphere`, `triangle` and `disk` each hold one intersection with a line and one with an arc; [`Segment`] is
 //! what the BVH asks of either.
 
+mod build;
 mod bvh;
 mod disk;
 mod distance;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::bvh::Bvh;
 use super::distance::Reach;
-use super::{Disk, Instance, Mesh, Primitives, Segment, Sphere, Surface, Triangle};
+use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 
 /// Names a primitive; for triangles of an instance both numbers matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub struct Counts {
 
 /// A member of the top hierarchy.
 #[derive(Clone, Copy, Debug)]
-enum Item {
+pub(super) enum Item {
     Sphere(u32),
     Disk(u32),
     /// Index into `triangles` and `sources`.
@@ -78,176 +78,46 @@ enum Item {
 
 /// Where a triangle of the top hierarchy comes from.
 #[derive(Clone, Copy, Debug)]
-struct Source {
-    instance: u32,
-    triangle: u32,
+pub(super) struct Source {
+    pub(super) instance: u32,
+    pub(super) triangle: u32,
 }
 
 /// A mesh with its own hierarchy, triangles in leaf order. Empty if the mesh's triangles are in the top hierarchy.
-struct SharedMesh {
-    bvh: Bvh,
-    triangles: Vec<Triangle>,
-    order: Vec<u32>,
+pub(super) struct SharedMesh {
+    pub(super) bvh: Bvh,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) order: Vec<u32>,
 }
 
 /// A placed mesh.
-struct Placed {
-    mesh: u32,
-    to_object: DAffine3,
+pub(super) struct Placed {
+    pub(super) mesh: u32,
+    pub(super) to_object: DAffine3,
     /// Object normal → world normal: inverse transpose.
-    normal_to_world: DMat3,
+    pub(super) normal_to_world: DMat3,
     /// Largest stretch of an object-space distance under `to_object`.
-    shrink: f64,
-    surface: Surface,
+    pub(super) shrink: f64,
+    pub(super) surface: Surface,
 }
 
 /// Primitives with their BVH.
 pub struct Geometry {
-    origin: DVec3,
-    bvh: Bvh,
-    items: Vec<Item>,
-    spheres: Vec<(Sphere, Surface)>,
-    disks: Vec<(Disk, Surface)>,
-    triangles: Vec<Triangle>,
-    sources: Vec<Source>,
-    meshes: Vec<Mesh>,
-    shared: Vec<Option<SharedMesh>>,
-    placed: Vec<Placed>,
-    counts: Counts,
-    typical_extent: f64,
+    pub(super) origin: DVec3,
+    pub(super) bvh: Bvh,
+    pub(super) items: Vec<Item>,
+    pub(super) spheres: Vec<(Sphere, Surface)>,
+    pub(super) disks: Vec<(Disk, Surface)>,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) sources: Vec<Source>,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) shared: Vec<Option<SharedMesh>>,
+    pub(super) placed: Vec<Placed>,
+    pub(super) counts: Counts,
+    pub(super) typical_extent: f64,
 }
 
 impl Geometry {
-    /// Builds the BVHs, in parallel.
-    ///
-    /// Inputs are finite and in range: indices, invertible maps, positive radii. Meshes used by no instance are
-    /// dropped.
-    pub fn build(primitives: Primitives) -> Self {
-        let Primitives { mut spheres, mut disks, mut meshes, instances } = primitives;
-        let counts = count(&spheres, &disks, &meshes, &instances);
-        let origin = choose_origin(&spheres, &disks, &meshes, &instances);
-        spheres.iter_mut().for_each(|(sphere, _)| sphere.center -= origin);
-        disks.iter_mut().for_each(|(disk, _)| disk.center -= origin);
-        let to_local = |instance: &Instance| DAffine3::from_translation(-origin) * instance.to_world;
-        let mut uses = vec![0usize; meshes.len()];
-        instances.iter().for_each(|(instance, _)| uses[instance.mesh as usize] += 1);
-
-        let shared: Vec<Option<SharedMesh>> = meshes
-            .par_iter()
-            .zip(&uses)
-            .map(|(mesh, &uses)| (uses > 1).then(|| SharedMesh::build(mesh)))
-            .collect();
-        let mut items: Vec<Item> = (0..spheres.len() as u32).map(Item::Sphere).collect();
-        items.extend((0..disks.len() as u32).map(Item::Disk));
-        let (mut triangles, mut sources) = (Vec::new(), Vec::new());
-        for (index, (instance, _)) in instances.iter().enumerate() {
-            let index = index as u32;
-            if uses[instance.mesh as usize] > 1 {
-                items.push(Item::Instance(index));
-                continue;
-            }
-            let mesh = &meshes[instance.mesh as usize];
-            let placed = place_triangles(mesh, &to_local(instance));
-            sources.extend((0..placed.len() as u32).map(|triangle| Source { instance: index, triangle }));
-            triangles.extend(placed);
-        }
-        items.extend((0..triangles.len() as u32).map(Item::Triangle));
-        meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
-        let placed: Vec<Placed> =
-            instances.iter().map(|(i, surface)| Placed::new(i, &to_local(i), *surface)).collect();
-
-        let mut geometry = Self {
-            origin,
-            bvh: Bvh::build(std::iter::empty()),
-            items,
-            spheres,
-            disks,
-            triangles,
-            sources,
-            meshes,
-            shared,
-            placed,
-            counts,
-            typical_extent: 0.0,
-        };
-        geometry.build_top();
-        geometry
-    }
-
-    /// Builds the top hierarchy and puts items and triangles in its leaf order.
-    fn build_top(&mut self) {
-        let boxes: Vec<(DVec3, DVec3)> = self.items.par_iter().map(|&item| self.item_box(item)).collect();
-        self.typical_extent = self.median_extent(&boxes);
-        self.bvh = Bvh::build(boxes.into_iter());
-        let (old_items, old_triangles, old_sources) = (
-            std::mem::take(&mut self.items),
-            std::mem::take(&mut self.triangles),
-            std::mem::take(&mut self.sources),
-        );
-        self.triangles.reserve_exact(old_triangles.len());
-        self.sources.reserve_exact(old_triangles.len());
-        self.items = Vec::with_capacity(old_items.len());
-        for &index in self.bvh.order() {
-            let item = match old_items[index as usize] {
-                Item::Triangle(triangle) => {
-                    self.triangles.push(old_triangles[triangle as usize]);
-                    self.sources.push(old_sources[triangle as usize]);
-                    Item::Triangle(self.triangles.len() as u32 - 1)
-                }
-                other => other,
-            };
-            self.items.push(item);
-        }
-    }
-
-    fn item_box(&self, item: Item) -> (DVec3, DVec3) {
-        match item {
-            Item::Sphere(i) => {
-                let sphere = &self.spheres[i as usize].0;
-                (sphere.center - sphere.radius, sphere.center + sphere.radius)
-            }
-            Item::Disk(i) => {
-                let disk = &self.disks[i as usize].0;
-                let half =
-                    disk.outer * (DVec3::ONE - disk.normal * disk.normal).max(DVec3::ZERO).map(f64::sqrt);
-                (disk.center - half, disk.center + half)
-            }
-            Item::Triangle(i) => self.triangles[i as usize].bounds(),
-            Item::Instance(i) => {
-                let placed = &self.placed[i as usize];
-                let bvh = self.shared[placed.mesh as usize].as_ref().and_then(|shared| shared.bvh.bounds());
-                let (min, max) = bvh.unwrap_or_default();
-                transform_box(&placed.to_object.inverse(), min, max)
-            }
-        }
-    }
-
-    /// Median box diagonal of what a ray can hit, triangles of shared meshes included.
-    fn median_extent(&self, boxes: &[(DVec3, DVec3)]) -> f64 {
-        const SAMPLES: usize = 10_000;
-        let mut extents: Vec<f64> = Vec::new();
-        let stride = boxes.len().div_ceil(SAMPLES).max(1);
-        for (&item, (min, max)) in self.items.iter().zip(boxes).step_by(stride) {
-            extents.push(match item {
-                Item::Instance(i) => self.placed_extent(&self.placed[i as usize]),
-                _ => min.distance(*max),
-            });
-        }
-        if extents.is_empty() {
-            return 0.0;
-        }
-        let middle = extents.len() / 2;
-        *extents.select_nth_unstable_by(middle, f64::total_cmp).1
-    }
-
-    /// Median triangle of a placed mesh.
-    fn placed_extent(&self, placed: &Placed) -> f64 {
-        let Some(shared) = &self.shared[placed.mesh as usize] else { return 0.0 };
-        let triangle = &shared.triangles[shared.triangles.len() / 2];
-        let (min, max) = triangle.bounds();
-        min.distance(max) / placed.shrink
-    }
-
     /// The first primitive that `segment` meets; `leaves` is the one it starts on.
     ///
     /// Where two primitives are met at the very same parameter the one that was given first wins, whatever the order of
@@ -510,96 +380,5 @@ impl Geometry {
 impl SurfacePoint {
     fn flat(normal: DVec3, surface: Surface) -> Self {
         Self { normal, shading_normal: normal, surface }
-    }
-}
-
-impl SharedMesh {
-    fn build(mesh: &Mesh) -> Self {
-        let triangles = place_triangles(mesh, &DAffine3::IDENTITY);
-        let bvh = Bvh::build(triangles.iter().map(Triangle::bounds));
-        let order = bvh.order().to_vec();
-        let triangles = order.iter().map(|&i| triangles[i as usize]).collect();
-        Self { bvh, triangles, order }
-    }
-}
-
-impl Placed {
-    fn new(instance: &Instance, to_local: &DAffine3, surface: Surface) -> Self {
-        let to_object = to_local.inverse();
-        let columns = to_object.matrix3.to_cols_array_2d().map(|c| DVec3::from(c).length_squared());
-        Self {
-            mesh: instance.mesh,
-            to_object,
-            normal_to_world: to_object.matrix3.transpose(),
-            // Frobenius norm: an upper bound of the stretch.
-            shrink: columns.iter().sum::<f64>().sqrt(),
-            surface,
-        }
-    }
-}
-
-/// The triangles of a mesh under `map`, rewound if the map mirrors, so that their fronts stay in front.
-fn place_triangles(mesh: &Mesh, map: &DAffine3) -> Vec<Triangle> {
-    let place = |index: u32| {
-        let [x, y, z] = mesh.positions[index as usize].map(f64::from);
-        map.transform_point3(DVec3::new(x, y, z)).as_vec3().to_array()
-    };
-    let mirrored = map.matrix3.determinant() < 0.0;
-    let wind = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-    mesh.triangles.par_iter().map(|&t| Triangle { corners: wind(t).map(place) }).collect()
-}
-
-fn transform_box(map: &DAffine3, min: DVec3, max: DVec3) -> (DVec3, DVec3) {
-    let corner = |i: usize| {
-        let pick = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
-        map.transform_point3(DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)))
-    };
-    (0..8).map(corner).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)))
-}
-
-fn count(
-    spheres: &[(Sphere, Surface)],
-    disks: &[(Disk, Surface)],
-    meshes: &[Mesh],
-    instances: &[(Instance, Surface)],
-) -> Counts {
-    Counts {
-        spheres: spheres.len(),
-        disks: disks.len(),
-        triangles: meshes.iter().map(|m| m.triangles.len()).sum(),
-        instanced_triangles: instances.iter().map(|(i, _)| meshes[i.mesh as usize].triangles.len()).sum(),
-        meshes: meshes.len(),
-        instances: instances.len(),
-    }
-}
-
-/// Zero, unless the geometry lies far from it compared with its size; then its median place.
-fn choose_origin(
-    spheres: &[(Sphere, Surface)],
-    disks: &[(Disk, Surface)],
-    meshes: &[Mesh],
-    instances: &[(Instance, Surface)],
-) -> DVec3 {
-    let mut places: Vec<DVec3> = spheres.iter().map(|(s, _)| s.center).collect();
-    places.extend(disks.iter().map(|(d, _)| d.center));
-    for (instance, _) in instances {
-        let positions = &meshes[instance.mesh as usize].positions;
-        for position in positions.iter().step_by(positions.len().div_ceil(64).max(1)) {
-            places.push(instance.to_world.transform_point3(DVec3::from(position.map(f64::from))));
-        }
-    }
-    if places.is_empty() {
-        return DVec3::ZERO;
-    }
-    let mut quantile = |axis: usize, q: f64| {
-        let index = (q * (places.len() - 1) as f64) as usize;
-        places.select_nth_unstable_by(index, |a, b| a[axis].total_cmp(&b[axis])).1[axis]
-    };
-    let middle = DVec3::from([0, 1, 2].map(|axis| quantile(axis, 0.5)));
-    let spread = DVec3::from([0, 1, 2].map(|axis| quantile(axis, 0.9) - quantile(axis, 0.1)));
-    if middle.length() > 16.0 * spread.max_element() && places.len() > 1 {
-        middle.round()
-    } else {
-        DVec3::ZERO
     }
 }
