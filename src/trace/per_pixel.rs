@@ -1,12 +1,11 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
 use super::samples::{Fate, Samples};
-use super::stages::emit::emit;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
-use super::stages::record::{record_end, record_hit, record_step};
-use super::stages::scatter::scatter;
+use super::stages::record::{record_end, record_step};
+use super::stages::shade::shade;
 use super::stats::Counters;
 use super::transport::{Outcome, Transport};
 use super::work::{Job, Work};
@@ -49,11 +48,7 @@ fn trace_path<T: Transport>(
             }
             Outcome::Landed(landing) => {
                 counters.fates.hit += 1;
-                let surface = geometry.surface_point(landing.primitive, landing.position);
-                record_hit(job, &path, &landing, &surface, samples);
-                let material = &job.scene.materials[surface.surface.material as usize];
-                emit(material, &surface, landing.direction, &mut path);
-                match scatter(job, &mut path, &landing, &surface) {
+                match shade(job, &mut path, &landing, samples) {
                     Some(direction) => {
                         flight = transport.launch(landing.position, direction, landing.primitive);
                         counters.rays += 1;

@@ -8,12 +8,11 @@ use super::columns::Columns;
 use super::path::Path;
 use super::samples::{Fate, Samples};
 use super::stages::advance::advance;
-use super::stages::emit::emit;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
-use super::stages::record::{record_end, record_hit, record_step};
-use super::stages::scatter::scatter;
+use super::stages::record::{record_end, record_step};
+use super::stages::shade::shade;
 use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Found, Landing, Outcome, Transport};
 use super::work::{Job, Work};
@@ -170,14 +169,9 @@ impl<T: Transport> Wavefront<T> {
 
     /// Gathers emission where rays landed and launches their continuations in the same lanes.
     fn scatter(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
-        let geometry = &job.scene.geometry;
         for (lane, landing) in self.events.landed.drain(..) {
             let mut path = self.paths.get(lane);
-            let surface = geometry.surface_point(landing.primitive, landing.position);
-            record_hit(job, &path, &landing, &surface, samples);
-            let material = &job.scene.materials[surface.surface.material as usize];
-            emit(material, &surface, landing.direction, &mut path);
-            match scatter(job, &mut path, &landing, &surface) {
+            match shade(job, &mut path, &landing, samples) {
                 Some(direction) => {
                     self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
                     counters.rays += 1;

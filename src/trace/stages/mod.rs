@@ -9,6 +9,7 @@
 //! | [`escape`] | direction at infinity, environment | radiance |
 //! | [`emit`] | landing, material | radiance |
 //! | [`scatter`] | landing, material | throughput, a ray |
+//! | [`shade`] | landing | the three at a surface: [`record`], [`emit`], [`scatter`] |
 //! | [`record`] | camera ray | first-hit planes, only those asked for |
 //!
 //! [`Transport::advance`]: super::transport::Transport::advance
@@ -21,3 +22,4 @@ pub mod generate;
 pub mod intersect;
 pub mod record;
 pub mod scatter;
+pub mod shade;
