@@ -55,7 +55,7 @@ fn both_schedules_give_the_same_bits_in_every_scene() {
 #[test]
 fn both_schedules_give_the_same_bits_with_every_stepper_and_sampler() {
     let path = scene_path("cornell_black_hole.toml");
-    for stepper in ["rkn4", "rkn5", "rk4-paper"] {
+    for stepper in ["rkn4", "rkn6", "rk4-paper"] {
         assert_schedules_agree(&path, &[&format!("render.stepper={stepper}")]);
     }
     assert_schedules_agree(&path, &["render.sampler=independent"]);

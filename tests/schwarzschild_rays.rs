@@ -194,7 +194,7 @@ fn check_quads(setup: Setup, undecided: usize) {
     });
 }
 
-const AT_ORIGIN: Setup = Setup { tolerance: 1e-5, arc: 1e-2, center: DVec3::ZERO, stepper: "rkn5" };
+const AT_ORIGIN: Setup = Setup { tolerance: 1e-5, arc: 1e-2, center: DVec3::ZERO, stepper: "rkn6" };
 const ELSEWHERE: Setup = Setup { center: DVec3::new(3.0, -2.0, 5.0), ..AT_ORIGIN };
 
 #[test]

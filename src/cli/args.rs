@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
 use crate::film::Aov;
-use crate::scene::{Filter, SamplerKind, Schedule, Settings, StepperKind};
+use crate::scene::{Filter, Precision, SamplerKind, Schedule, Settings, StepperKind};
 use crate::trace::Run;
 
 /// A path tracer for real scenes in warped spacetime.
@@ -104,7 +104,10 @@ pub(super) struct SettingArgs {
     /// How rays are advanced through curved space
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
-    /// Largest estimated error of a step's direction, radians
+    /// Numbers that orbits are followed in
+    #[arg(long, value_enum, value_name = "NAME")]
+    precision: Option<Precision>,
+    /// Largest error of a ray's direction, radians at its start
     #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
@@ -145,6 +148,7 @@ impl SettingArgs {
         settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
         set(self.spp, &mut settings.spp);
         set(self.stepper, &mut settings.stepper);
+        set(self.precision, &mut settings.precision);
         set(self.tolerance, &mut settings.tolerance);
         set(self.schedule, &mut settings.schedule);
         set(self.max_depth, &mut settings.max_depth);
@@ -246,6 +250,7 @@ mod tests {
             "--spp=3",
             "--size=5x6",
             "--stepper=rk4-paper",
+            "--precision=f32",
             "--schedule=per-pixel",
             "--max-depth=9",
             "--seed=11",
@@ -262,6 +267,7 @@ mod tests {
             max_depth: 9,
             seed: 11,
             stepper: StepperKind::Rk4Paper,
+            precision: Precision::F32,
             schedule: Schedule::PerPixel,
             sampler: SamplerKind::Independent,
             ..Settings::default()

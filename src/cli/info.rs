@@ -292,7 +292,7 @@ mod tests {
         let scene = empty_scene(SpacetimeKind::Flat);
         let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene)).unwrap();
         assert_eq!(json["spacetime"]["kind"], "flat");
-        assert_eq!(json["settings"]["stepper"], "rkn5");
+        assert_eq!(json["settings"]["stepper"], "rkn6");
         assert_eq!(json["stages"][0]["runs"], false);
         assert_eq!(json["materials"]["diffuse"], 1);
     }

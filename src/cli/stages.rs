@@ -60,7 +60,7 @@ fn intersect(scene: &Baked) -> Stage {
         _ => {
             let searched = match scene.settings.stepper {
                 StepperKind::Rk4Paper => "lines",
-                StepperKind::Rkn4 | StepperKind::Rkn5 => "arcs",
+                _ => "arcs",
             };
             let primitives = plural(primitives, "primitive", "primitives");
             stage("intersect", true, format!("{searched} against {primitives}"))

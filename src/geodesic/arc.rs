@@ -11,6 +11,7 @@
 use glam::DVec3;
 
 use super::Step;
+use crate::math::real::Real;
 
 /// A rational quadratic Bézier curve in standard form, weights (1, w, 1):
 /// B(s) = ((1−s)² p0 + 2 s(1−s) w p1 + s² p2) / ((1−s)² + 2 s(1−s) w + s²).
@@ -35,6 +36,40 @@ impl Arc {
         (a * self.p0 + b * self.p1 + c * self.p2) / (a + b + c)
     }
 
+    /// dB/ds at `s`.
+    fn velocity(&self, s: f64) -> DVec3 {
+        let t = 1.0 - s;
+        let sum = t * t + 2.0 * s * t * self.w + s * s;
+        // Derivative of the quotient of two quadratics, in which the powers of order 3 cancel [F, 12.6].
+        let (d01, d02, d12) = (self.p1 - self.p0, self.p2 - self.p0, self.p2 - self.p1);
+        2.0 * (self.w * t * t * d01 + t * s * d02 + self.w * s * s * d12) / (sum * sum)
+    }
+
+    /// Parameter of the point that lies as far along the chord as `point`.
+    pub fn parameter_beside(&self, point: DVec3) -> f64 {
+        // Positions along the chord give a quadratic in s, with one root in [0, 1] for an arc that turns less than a
+        // right angle.
+        let chord = self.p2 - self.p0;
+        let target = (point - self.p0).dot(chord);
+        let (middle, end) = (self.w * ((self.p1 - self.p0).dot(chord) - target), chord.dot(chord) - target);
+        // −target (1−s)² + 2 middle s(1−s) + end s² = 0.
+        let root = (middle * middle + target * end).max(0.0).sqrt();
+        let s = if middle >= 0.0 { target / (target + middle + root) } else { (root - middle) / (root - middle + end) };
+        if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Length from the start to `s`, by Gauss–Legendre quadrature of order 10.
+    pub fn length(&self, s: f64) -> f64 {
+        const NODES: [(f64, f64); 5] = [
+            (0.0, 128.0 / 225.0),
+            (0.538_469_310_105_683, 0.478_628_670_499_366),
+            (-0.538_469_310_105_683, 0.478_628_670_499_366),
+            (0.906_179_845_938_664, 0.236_926_885_056_189),
+            (-0.906_179_845_938_664, 0.236_926_885_056_189),
+        ];
+        NODES.iter().map(|(x, w)| w * self.velocity(0.5 * s * (1.0 + x)).length()).sum::<f64>() * 0.5 * s
+    }
+
     /// Distance of the point farthest from the chord p0 p2.
     #[inline(always)]
     pub fn sagitta(&self) -> f64 {
@@ -57,46 +92,82 @@ impl Arc {
     }
 }
 
-/// Turn below which a step is fitted with a parabola, radians: the tangents meet too ill-conditioned there.
-const SMALL_TURN: f64 = 1e-5;
+/// A step and its arc in the plane of the orbit: coordinates from the start, along the radius there and across it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneArc<R> {
+    /// Middle control point.
+    pub middle: [R; 2],
+    /// End.
+    pub end: [R; 2],
+    /// Weight of the middle control point.
+    pub weight: R,
+    /// Estimated distance between the arc and the curve; infinite if the step turns too far to be one arc.
+    pub error: R,
+}
 
-/// The arc that stands in for `step`, and the estimated distance between the two; infinite if the step turns too far
-/// to be one arc.
+impl<R: Real> Step<R> {
+    /// Where the step ends, from its start, along the radius there and across it: good to the rounding of the step's
+    /// own length, however far the centre.
+    #[inline(always)]
+    pub fn displacement(&self) -> [R; 2] {
+        let (w0, w1) = (self.start.w, self.end.w);
+        let outwards = (w0 - w1) / (w0 * w1);
+        // 1 − cos = sin²/(1 + cos).
+        let sagged = self.sin * self.sin / ((R::of(1.0) + self.cos) * w1);
+        [outwards - sagged, self.sin / w1]
+    }
+
+    /// Unit tangent at the end, along the radius at the start and across it.
+    #[inline(always)]
+    pub fn end_tangent(&self) -> [R; 2] {
+        let across = self.b * self.end.w;
+        let n = (self.end.v * self.end.v + across * across).sqrt();
+        let (outwards, across) = (-self.end.v / n, across / n);
+        [outwards * self.cos - across * self.sin, outwards * self.sin + across * self.cos]
+    }
+}
+
+/// Turn below which a step is fitted with a parabola, in roundings: the tangents meet too ill-conditioned there.
+const SMALL_TURN: f64 = 1e6;
+
+/// The arc that stands in for `step`.
 #[inline(always)]
-pub fn fit_arc(step: &Step) -> (Arc, f64) {
-    let [x0, p0, f0] = step.start;
-    let [x1, p1, f1] = step.end;
-    let (n0, n1) = (p0.length(), p1.length());
-    let (t0, t1) = (p0 / n0, p1 / n1);
-    let turn = t0.cross(t1).length();
-    let chord = x1 - x0;
-    let (a0, a1) = (t0.dot(chord), t1.dot(chord));
-    let c = t0.dot(t1);
-    let to_start = (a0 - c * a1) / (turn * turn);
-    let to_end = (a1 - c * a0) / (turn * turn);
-    let (k0, k1) = (t0.cross(f0).length() / (n0 * n0), t1.cross(f1).length() / (n1 * n1));
+pub fn fit_arc<R: Real>(step: &Step<R>) -> PlaneArc<R> {
+    let (zero, half) = (R::of(0.0), R::of(0.5));
+    let (w0, w1, b) = (step.start.w, step.end.w, step.b);
+    let n0 = (step.start.v.squared() + (b * w0).squared()).sqrt();
+    let n1 = (step.end.v.squared() + (b * w1).squared()).sqrt();
+    let [x, y] = step.displacement();
+    let (t0x, t0y) = (-step.start.v / n0, b * w0 / n0);
+    let [t1x, t1y] = step.end_tangent();
+    // Sines of the turn, and of the angles of the tangents to the chord, times its length.
+    let turn = t0x * t1y - t0y * t1x;
+    let (at_start, at_end) = (t0x * y - t0y * x, x * t1y - y * t1x);
+    let (to_start, to_end) = (at_end / turn, at_start / turn);
+    let curvature = |pull: R, w: R, n: R| pull * b * (w * w * w) / (n * n * n);
+    let (k0, k1) = (curvature(step.start.pull, w0, n0), curvature(step.end.pull, w1, n1));
     // Curvature of the conic at either end is turn × far leg / (2 w² near leg²) [F, 12.6].
-    let (w0, w1) =
-        (turn * to_end / (2.0 * k0 * to_start * to_start), turn * to_start / (2.0 * k1 * to_end * to_end));
-    let w2 = (w0 * w1).sqrt();
-    let bent = turn > SMALL_TURN;
-    let meets = c > 0.0 && to_start > 0.0 && to_end > 0.0 && w2.is_finite() && w2 > 0.0;
-    let conic = bent && meets;
+    let weight0 = turn * to_end / ((k0 + k0) * to_start * to_start);
+    let weight1 = turn * to_start / ((k1 + k1) * to_end * to_end);
+    let squared = (weight0 * weight1).sqrt();
+    let bent = turn.abs() > R::of(SMALL_TURN * R::EPSILON);
+    let ahead = t0x * t1x + t0y * t1y > zero;
+    let conic = bent & ahead & (to_start > zero) & (to_end > zero) & (squared > zero);
     // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
-    let mismatch = (k0 * (w0 / w2 - 1.0)).abs().max((k1 * (w1 / w2 - 1.0)).abs());
-    let conic_error = 0.009 * mismatch * chord.length_squared();
-    let (v0, v1) = (step.h * p0, step.h * p1);
-    let skew = v0 + v1 - 2.0 * chord;
+    let one = R::of(1.0);
+    let mismatch = (k0 * (weight0 / squared - one)).abs().at_least((k1 * (weight1 / squared - one)).abs());
+    let length2 = x * x + y * y;
+    let conic_error = R::of(0.009) * mismatch * length2;
     // The cubic part s(1−s)(1−2s)/2 of the Hermite interpolant is at most 0.0481.
-    let parabola_error = if bent { f64::INFINITY } else { 0.0481 * (skew - skew.dot(t0) * t0).length() };
+    let parabola_error = R::of(0.0481) * (at_start - at_end).abs() + if bent { R::of(f64::INFINITY) } else { zero };
     // Both are computed and one is chosen, so that lanes can run side by side.
-    let tangents_meet = 0.5 * (x0 + to_start * t0 + x1 - to_end * t1);
-    let parabola = 0.5 * (x0 + x1) + 0.25 * (v0 - v1);
-    let pick = |a: f64, b: f64| if conic { a } else { b };
-    let middle = DVec3::new(
-        pick(tangents_meet.x, parabola.x),
-        pick(tangents_meet.y, parabola.y),
-        pick(tangents_meet.z, parabola.z),
-    );
-    (Arc { p0: x0, p1: middle, p2: x1, w: pick(w2.sqrt(), 1.0) }, pick(conic_error, parabola_error))
+    let pick = |a: R, b: R| if conic { a } else { b };
+    // Half the chord, and to its right as far as the mean slope carries.
+    let slope = R::of(0.25) * (at_start + at_end) / length2.sqrt();
+    PlaneArc {
+        middle: [pick(to_start * t0x, half * x + slope * y), pick(to_start * t0y, half * y - slope * x)],
+        end: [x, y],
+        weight: pick(squared.sqrt(), one),
+        error: pick(conic_error, parabola_error),
+    }
 }

@@ -1,90 +1,142 @@
 //! Step size from error estimates.
 
-use glam::DVec3;
-
-use super::{Arc, Step, Stepper, fit_arc};
+use super::stepper::Estimate;
+use super::{Phase, Step, Stepper};
+use crate::math::real::Real;
 use crate::spacetime::ConformallyFlat;
 
-/// What a step is held to.
+/// What steps are held to, and how their length follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Control {
-    /// Largest error of a step's direction, radians.
-    pub tolerance: f64,
+pub struct Control<R> {
+    /// Largest error of a ray's direction, all its steps together, radians.
+    tolerance: R,
     /// Largest distance between an arc and the curve, scene units.
-    pub arc_tolerance: f64,
-    /// Longest step relative to the distance from the centre.
-    pub stride: f64,
+    arc_tolerance: R,
+    /// Inverse radius of the horizon; infinite without one.
+    horizon: R,
+    /// Inverse radius of the photon sphere; infinite without one.
+    photon_sphere: R,
+    /// Critical impact parameter.
+    critical: R,
 }
 
 /// A step, judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict {
-    /// The arc that stands in for the step.
-    pub arc: Arc,
+pub struct Verdict<R> {
     /// Whether the step is good enough to be taken.
     pub accepted: bool,
-    /// Length in σ to try next: from the step's end if it is taken, else from its start.
-    pub next_h: f64,
+    /// Length in ξ to try next: from the step's end if it is taken, else from its start.
+    pub next_h: R,
+    /// Error relative to what is allowed, for the judgement of the next step.
+    pub error: R,
 }
 
-/// Bounds on how a step may grow or shrink from one to the next, beside what the field's change asks for.
-const GROWTH: (f64, f64) = (0.2, 1.7);
+/// Bounds on how a step may grow or shrink from one to the next.
+const GROWTH: (f64, f64) = (0.2, 4.0);
+/// A rejected step is at most this long the next time.
+const HALVED: f64 = 0.5;
 /// Aims a little below the tolerance, so that most steps are accepted.
 const SAFETY: f64 = 0.85;
-/// Longest step relative to the distance from the centre at any tolerance: an inward ray must not step past the centre
-/// unnoticed.
-const LONGEST_STRIDE: f64 = 0.5;
+/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and as much again for the angle
+/// that every step is given whatever it sweeps.
+const SWEEP: f64 = 3.5;
+/// Angle that a step's share of the tolerance is counted for at least, radians: nearly radial rays sweep next to
+/// nothing.
+const LEAST_SWEEP: f64 = 0.02;
+/// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the chart.
+const LARGEST_STRAIN: f64 = 0.02;
+/// Largest tangent of the angle that a step sweeps.
+const LARGEST_TANGENT: f64 = 3.0;
+/// Longest way of a step towards the horizon, relative to what is left.
+const LONGEST_FALL: f64 = 0.5;
+/// Longest way of a step away from the horizon, relative to what lies between.
+const LONGEST_RISE: f64 = 1.0;
+/// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
+const REACH: f64 = 300.0;
 
-impl Control {
-    /// Control of the steps that `stepper` takes.
-    pub fn new(stepper: &impl Stepper, tolerance: f64, arc_tolerance: f64) -> Self {
-        Self { tolerance, arc_tolerance, stride: stepper.stride(tolerance).min(LONGEST_STRIDE) }
+/// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
+const LEAST_TOLERANCE: f64 = 100.0;
+
+impl<R: Real> Control<R> {
+    /// Control of rays around `medium`: `tolerance` in radians, `arc_tolerance` in scene units.
+    pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64, arc_tolerance: f64) -> Self {
+        Self {
+            tolerance: R::of(tolerance.max(LEAST_TOLERANCE * R::EPSILON)),
+            arc_tolerance: R::of(arc_tolerance),
+            horizon: R::of(1.0 / medium.horizon()),
+            photon_sphere: R::of(1.0 / medium.photon_sphere()),
+            critical: R::of(medium.critical_impact_parameter()),
+        }
     }
 
-    /// Fits the arc to `step` and judges both.
+    /// Whether a step ends on the branch of the orbit on which it starts.
     ///
-    /// Good steps scale as the inverse root of the pull g of the field (the frequency of small oscillations), so the
-    /// step's length is carried on in that unit: a ray that falls inwards shortens its steps ahead of the error.
-    /// Measured on random rays around a hole, that leaves 0.2 rejected steps a ray instead of 2, and fewer accepted.
+    /// Above the critical impact parameter a ray stays on its side of the photon sphere, below it keeps its sense. Near
+    /// the circular ray both branches come so close that a loose tolerance would let a ray change over.
     #[inline(always)]
-    pub fn judge(&self, step: &Step) -> Verdict {
-        let (arc, arc_error) = fit_arc(step);
-        let [x0, _, f0] = step.start;
-        let [x1, p1, f1] = step.end;
-        let direction = (step.momentum_error.length_squared() / p1.length_squared()).sqrt();
+    fn keeps_branch(&self, step: &Step<R>) -> bool {
+        let side = (step.start.w < self.photon_sphere) == (step.end.w < self.photon_sphere);
+        let zero = R::of(0.0);
+        let sense = (step.start.v > zero) == (step.end.v > zero);
+        if step.b > self.critical { side } else { sense }
+    }
+
+    /// Judges `step`, whose arc is off by `arc_error`, after a step whose relative error was `previous`.
+    ///
+    /// Errors of steps add up to the error of the ray, so each gets a share of the tolerance by the angle that it
+    /// sweeps. The next length follows a PI controller \[Söderlind 2003, "Digital filters in adaptive time-stepping",
+    /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
+    #[inline(always)]
+    pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> Verdict<R> {
+        let Estimate { embedded, slow, undone, .. } = S::ESTIMATE;
+        let share = (step.sin + R::of(LEAST_SWEEP)) * self.tolerance * R::of(1.0 / SWEEP);
+        let own = if slow { step.embedded * step.h * self.rate(step.b, &step.start) } else { step.embedded };
+        let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
         // The sum, unlike the larger, keeps the NaN of a step that left the chart, and NaN is never accepted.
-        let error = direction / self.tolerance + arc_error / self.arc_tolerance;
-        let accepted = error <= 1.0;
-        // Both estimates fall with the fourth power of the step.
-        let factor = SAFETY / error.sqrt().sqrt();
-        let factor = if error.is_nan() { GROWTH.0 } else { factor.clamp(GROWTH.0, GROWTH.1) };
-        // (g at the start / g at the end)^½ with g = |f|/|x|.
-        let pulls = f0.length_squared() * x1.length_squared() / (f1.length_squared() * x0.length_squared());
-        let field = if accepted && pulls.is_finite() { pulls.sqrt().sqrt() } else { 1.0 };
-        Verdict { arc, accepted, next_h: step.h * factor * field }
+        let error = estimate / share
+            + step.strain * R::of(1.0 / LARGEST_STRAIN)
+            + arc_error / self.arc_tolerance;
+        let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
+        let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
+        // (e₋₁/e³)^(1/4p) with p rounded up to a power of two, which takes roots only.
+        let ratio = (previous / (bounded * bounded * bounded)).sqrt().sqrt().sqrt().sqrt();
+        let factor = R::of(SAFETY) * if S::ESTIMATE.order > 6 { ratio.sqrt() } else { ratio };
+        let most = if accepted { GROWTH.1 } else { HALVED };
+        let factor = factor.at_most(R::of(most)).at_least(R::of(GROWTH.0));
+        Verdict { accepted, next_h: step.h * factor, error: bounded }
     }
 
-    /// A step of at most `h` for a ray at `x` with momentum `p`, within the stride that the stepper can answer for.
+    /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.
     #[inline(always)]
-    pub fn within_stride(&self, h: f64, x: DVec3, p: DVec3) -> f64 {
-        h.min(self.stride * (x.length_squared() / p.length_squared()).sqrt())
+    fn rate(&self, b: R, phase: &Phase<R>) -> R {
+        let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
+        b + n / self.room(phase.w)
     }
 
-    /// A first step for a ray at `x` with momentum `p`: what the stepper reaches in a field that changes slowly, taken
-    /// where the straight continuation passes nearest to the centre.
+    /// How far the index is from a pole, in inverse radius.
     #[inline(always)]
-    pub fn first_step<M: ConformallyFlat>(
-        &self,
-        stepper: &impl Stepper,
-        medium: &M,
-        x: DVec3,
-        p: DVec3,
-    ) -> f64 {
-        let s = x.length_squared();
-        let reach = stepper.reach(self.tolerance);
-        let ahead = (-x.dot(p)).max(0.0) / p.length_squared();
-        let here = reach / medium.pull(s).sqrt();
-        let nearest = (x + here.min(ahead) * p).length_squared();
-        self.within_stride(reach / medium.pull(nearest.max(0.25 * s)).sqrt(), x, p)
+    fn room(&self, w: R) -> R {
+        if self.horizon < R::of(f64::INFINITY) { self.horizon - w } else { w }
+    }
+
+    /// A step of at most `h` from `phase` that neither sweeps too much nor changes the index too much.
+    #[inline(always)]
+    pub fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
+        let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
+        let longest = if phase.v > R::of(0.0) { LONGEST_FALL } else { LONGEST_RISE };
+        let h = h.at_most(R::of(longest) * self.room(phase.w) / n);
+        if h * b > R::of(LARGEST_TANGENT) { R::of(LARGEST_TANGENT) / b } else { h }
+    }
+
+    /// A first step from `phase`.
+    pub fn first_step<M: ConformallyFlat, S: Stepper>(&self, medium: &M, b: R, phase: &Phase<R>) -> R {
+        let (rate, room) = (self.rate(b, phase).value(), self.room(phase.w).value());
+        let (b, w, v) = (b.value(), phase.w.value(), phase.v.value());
+        // A straight continuation comes this near, within the step.
+        let nearest = (w + v.max(0.0) / rate).min(w + LONGEST_FALL * room);
+        let pull = medium.pull(nearest).abs();
+        let strength = b * pull / (v.hypot(b * w) * rate * rate);
+        let reach = (REACH * self.tolerance.value() / strength).powf(1.0 / f64::from(S::ESTIMATE.order));
+        self.within(R::of(reach.min(LARGEST_TANGENT) / rate), R::of(b), phase)
     }
 }

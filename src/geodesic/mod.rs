@@ -1,17 +1,29 @@
-//! Null geodesics of conformally flat spacetimes: steppers, error control, dense output, arcs.
+//! Null geodesics of conformally flat spacetimes: orbits, steppers, error control, arcs.
 
 mod arc;
 mod control;
-mod dense;
+mod dop853;
+mod dopri5;
+mod follow;
+mod leapfrog4;
+mod orbit;
+mod rk4;
 mod rk4_paper;
+mod rkf45;
 mod rkn4;
-mod rkn5;
+mod rkn6;
 mod stepper;
 
-pub use arc::{Arc, fit_arc};
+pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};
-pub use dense::Dense;
+pub use dop853::Dop853;
+pub use dopri5::Dopri5;
+pub use follow::{End, Journey, follow};
+pub use leapfrog4::Leapfrog4;
+pub use orbit::{Launch, Phase, Step};
+pub use rk4::Rk4;
 pub use rk4_paper::PaperRk4;
+pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
-pub use rkn5::Rkn5;
-pub use stepper::{Step, Stepper};
+pub use rkn6::Rkn6;
+pub use stepper::{Estimate, Stepper, Trial};

@@ -1,54 +1,133 @@
-//! What a stepper is: one explicit step of x'' = ½∇n²(x), with an error estimate.
+//! What a stepper is: one explicit step of a scalar equation W″ = G(ξ, W), with an error estimate.
+//!
+//! References: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.1–II.5, II.14.
 
-use glam::DVec3;
+use crate::math::real::Real;
 
-use crate::spacetime::ConformallyFlat;
-
-/// A step of a ray: both ends with momentum and force, and the step's length in σ.
+/// The end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    /// Position, momentum and force at the start.
-    pub start: [DVec3; 3],
-    /// Position, momentum and force at the end.
-    pub end: [DVec3; 3],
-    /// Length in the ray parameter σ.
-    pub h: f64,
-    /// Estimated error of the momentum at the end.
-    pub momentum_error: DVec3,
+pub struct Trial<R> {
+    /// W.
+    pub position: R,
+    /// dW/dξ.
+    pub velocity: R,
+    /// Estimated error of W.
+    pub position_error: R,
+    /// Estimated error of dW/dξ.
+    pub velocity_error: R,
+}
+
+/// From what is known of a step to its error along the orbit, which is what remains: factors measured on random steps
+/// around a hole, such that nine of ten errors are smaller than the estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Power of the step length with which the estimate falls.
+    pub order: u32,
+    /// Factor on the stepper's own estimate.
+    pub embedded: f64,
+    /// Whether that falls one order slower than the error, and so counts times the step's relative length.
+    pub slow: bool,
+    /// Factor on the error across the orbit.
+    pub undone: f64,
 }
 
 /// A one-step method.
 pub trait Stepper: Copy + Send + Sync {
-    /// One step of length `h` from position, momentum and force (½∇n² at the position).
-    fn step<M: ConformallyFlat>(&self, medium: &M, start: [DVec3; 3], h: f64) -> Step;
+    /// Order of the method.
+    const ORDER: u32;
 
-    /// Step length at which the error estimate is about `tolerance`, times the root of the field's pull.
-    fn reach(&self, tolerance: f64) -> f64;
+    /// How its error is estimated.
+    const ESTIMATE: Estimate;
 
-    /// Step length relative to the distance from the centre at which the error that the estimate does not see is about
-    /// `tolerance`: the estimate is of second order in the field, and where that is weak the error is that of the
-    /// quadrature along a nearly straight ray, of first order.
-    fn stride(&self, tolerance: f64) -> f64;
+    /// One step of length `h` from ξ = 0, given W, dW/dξ and G there.
+    fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R>;
 }
 
-impl Step {
-    /// The step to `end` with unconstrained momentum `free`, given the last stage `last_force`, evaluated near the end,
-    /// and its weight in the momentum.
-    ///
-    /// The momentum is scaled to |p| = n: the null constraint is unstable where the index falls steeply. The force at
-    /// the end itself, which the next step starts with, differs from the last stage by that stage's error: their
-    /// weighted difference, O(h⁴), bounds the momentum's, which is of the method's own order.
+/// Coefficients of a Runge–Kutta method of `S` stages, the last of them at the end of the step \[H, II.1\].
+#[derive(Clone, Copy, Debug)]
+pub struct RungeKutta<const S: usize> {
+    /// Nodes.
+    pub c: [f64; S],
+    /// Weights of earlier stages in each stage; the last row is the method itself.
+    pub a: [[f64; S]; S],
+    /// Weights of the error estimate.
+    pub e: [f64; S],
+}
+
+/// Coefficients of a Nyström method of `S` stages, the last of them at the end of the step \[H, II.14\].
+#[derive(Clone, Copy, Debug)]
+pub struct Nystrom<const S: usize> {
+    /// Nodes.
+    pub c: [f64; S],
+    /// Weights of earlier stages in each stage's position; the last row is the method's.
+    pub a: [[f64; S]; S],
+    /// Weights in the velocity.
+    pub b: [f64; S],
+    /// Weights of the error estimate of the position.
+    pub e: [f64; S],
+    /// Weights of the error estimate of the velocity.
+    pub d: [f64; S],
+}
+
+/// Σ weights × values, over the first `count`.
+#[inline(always)]
+pub(super) fn sum<R: Real, const S: usize>(weights: &[f64; S], values: &[R; S], count: usize) -> R {
+    let mut sum = R::of(0.0);
+    for j in 0..count {
+        if weights[j] != 0.0 {
+            sum = sum + R::of(weights[j]) * values[j];
+        }
+    }
+    sum
+}
+
+impl<const S: usize> RungeKutta<S> {
+    /// Velocity and force of all stages, and W at the last.
     #[inline(always)]
-    pub(super) fn finish<M: ConformallyFlat>(
-        medium: &M,
-        start: [DVec3; 3],
-        h: f64,
-        (end, free): (DVec3, DVec3),
-        (last_force, weight): (DVec3, f64),
-    ) -> Step {
-        let s = end.length_squared();
-        let force = end * -medium.pull(s);
-        let momentum = free * (medium.index_squared(s) / free.length_squared()).sqrt();
-        Step { start, end: [end, momentum, force], h, momentum_error: h * weight * (force - last_force) }
+    pub(super) fn stages<R: Real>(
+        &self,
+        force: impl Fn(R, R) -> R,
+        [w, v, f]: [R; 3],
+        h: R,
+    ) -> (R, [R; S], [R; S]) {
+        let (mut position, mut velocities, mut forces) = (w, [v; S], [f; S]);
+        for i in 1..S {
+            position = w + h * sum(&self.a[i], &velocities, i);
+            velocities[i] = v + h * sum(&self.a[i], &forces, i);
+            forces[i] = force(R::of(self.c[i]) * h, position);
+        }
+        (position, velocities, forces)
+    }
+
+    /// One step with the estimate of weights `e`.
+    #[inline(always)]
+    pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
+        let (position, velocities, forces) = self.stages(force, start, h);
+        Trial {
+            position,
+            velocity: velocities[S - 1],
+            position_error: h * sum(&self.e, &velocities, S),
+            velocity_error: h * sum(&self.e, &forces, S),
+        }
+    }
+}
+
+impl<const S: usize> Nystrom<S> {
+    /// One step.
+    #[inline(always)]
+    pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
+        let h2 = h * h;
+        let (mut position, mut forces) = (w, [f; S]);
+        for i in 1..S {
+            let ch = R::of(self.c[i]) * h;
+            position = w + ch * v + h2 * sum(&self.a[i], &forces, i);
+            forces[i] = force(ch, position);
+        }
+        Trial {
+            position,
+            velocity: v + h * sum(&self.b, &forces, S),
+            position_error: h2 * sum(&self.e, &forces, S),
+            velocity_error: h * sum(&self.d, &forces, S),
+        }
     }
 }

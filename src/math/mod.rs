@@ -1,4 +1,7 @@
 //! Small numerics that no crate gives.
 
 pub mod bernstein;
+pub mod dual;
+pub mod exact;
 pub mod frame;
+pub mod real;

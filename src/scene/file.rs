@@ -8,7 +8,7 @@ use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::error::{Fault, suggestion};
-use super::{Filter, SamplerKind, Schedule, StepperKind};
+use super::{Filter, Precision, SamplerKind, Schedule, StepperKind};
 
 /// A number with its place.
 pub type Number = Spanned<f64>;
@@ -109,6 +109,8 @@ pub struct RenderTable {
     pub seed: Option<u64>,
     /// Stepper.
     pub stepper: Option<StepperKind>,
+    /// Numbers that orbits are followed in.
+    pub precision: Option<Precision>,
     /// Schedule.
     pub schedule: Option<Schedule>,
     /// Sampler.

@@ -157,6 +157,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
         roulette_depth: render.roulette_depth.unwrap_or(default.roulette_depth),
         seed: render.seed.unwrap_or(default.seed),
         stepper: render.stepper.unwrap_or(default.stepper),
+        precision: render.precision.unwrap_or(default.precision),
         schedule: render.schedule.unwrap_or(default.schedule),
         sampler: render.sampler.unwrap_or(default.sampler),
         tolerance: match &render.tolerance {

@@ -1,70 +1,55 @@
-//! Where a ray may stop: what lies outside, what lies inside, and what nothing comes back from.
-
-use glam::DVec3;
+//! How rays end: the fate that constants of motion decide, and where around a scene a ray need not be followed further.
 
 use super::ConformallyFlat;
 
-/// Why a ray need not be followed further.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// It leaves to infinity and meets nothing on its way.
-    Escaped,
-    /// It falls through the horizon and meets nothing on its way.
-    Captured,
+/// How a ray ends if nothing is in its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fate {
+    /// It leaves to infinity.
+    #[default]
+    Escapes,
+    /// It falls through the horizon.
+    Falls,
+}
+
+impl Fate {
+    /// The fate of a ray at isotropic radius `rho` with impact parameter `b`, moving outwards or not.
+    ///
+    /// There is one circular ray, at the photon sphere. Outside it only inward rays below the critical impact parameter
+    /// are captured; inside, only outward rays below it escape \[Darwin 1959; Synge 1966\].
+    pub fn of<M: ConformallyFlat>(medium: &M, rho: f64, b: f64, outwards: bool) -> Self {
+        let passes = b < medium.critical_impact_parameter();
+        let escapes = if rho >= medium.photon_sphere() { outwards || !passes } else { outwards && passes };
+        if escapes { Fate::Escapes } else { Fate::Falls }
+    }
 }
 
 /// The part of a spacetime that rays are followed in, around geometry that keeps between two radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chart {
-    /// Square of the radius beyond which outward rays have escaped.
-    outer2: f64,
-    /// Square of the radius within which there is no geometry.
-    core2: f64,
-    /// Square of the radius within which an inward ray never turns.
-    photon2: f64,
-    /// Square of the critical impact parameter.
-    critical2: f64,
-    /// Square of the radius at which a ray has reached the horizon.
-    horizon2: f64,
+    /// Inverse of the radius beyond which there is no geometry and no ray turns back; positive.
+    pub outer: f64,
+    /// Inverse of the radius within which there is no geometry, or at which a ray has reached the horizon.
+    pub inner: f64,
 }
 
 /// How close to the horizon a ray is followed if geometry reaches that far, relative to the horizon's radius.
 const HORIZON_MARGIN: f64 = 1e-6;
 
 impl Chart {
-    /// A chart for geometry whose points have isotropic radii between `nearest` and `farthest`; the directions of
-    /// escaping rays are good to `tolerance` radians.
-    pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64, tolerance: f64) -> Self {
-        let photon = medium.photon_sphere();
-        let outer = farthest.max(medium.escape_radius(tolerance)).max(photon * (1.0 + 1e-9));
-        let critical = medium.critical_impact_parameter();
+    /// A chart for geometry whose points have isotropic radii between `nearest` and `farthest`.
+    pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64) -> Self {
         let horizon = medium.horizon() * (1.0 + HORIZON_MARGIN);
-        Self {
-            outer2: outer * outer,
-            core2: nearest * nearest,
-            photon2: photon * photon,
-            critical2: critical * critical,
-            horizon2: horizon * horizon,
-        }
+        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(horizon) }
     }
 
-    /// Whether a ray at `x` with momentum `p` (|p| = n) may stop here.
-    ///
-    /// Inside the photon sphere an inward ray has no turning point; outside, an inward ray has none if its impact
-    /// parameter is below the critical one. Outside the photon sphere an outward ray has none.
+    /// Whether a ray of this fate at the inverse radius `w`, moving inwards at the rate `v` = dw/dψ, need not be
+    /// followed further.
     #[inline(always)]
-    pub fn stop(&self, x: DVec3, p: DVec3) -> Option<Stop> {
-        let s = x.length_squared();
-        let outward = x.dot(p);
-        if outward >= 0.0 {
-            return (s >= self.outer2).then_some(Stop::Escaped);
+    pub fn is_left(&self, fate: Fate, w: f64, v: f64) -> bool {
+        match fate {
+            Fate::Escapes => v < 0.0 && w <= self.outer,
+            Fate::Falls => v > 0.0 && w >= self.inner,
         }
-        let falls = s <= self.photon2 || x.cross(p).length_squared() < self.critical2;
-        ((s < self.core2 && falls) || s <= self.horizon2).then_some(Stop::Captured)
-    }
-
-    /// Radius beyond which an outward ray has escaped.
-    pub fn outer(&self) -> f64 {
-        self.outer2.sqrt()
     }
 }

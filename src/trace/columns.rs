@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::PrimitiveId;
 use crate::shade::Media;
+use crate::spacetime::Fate;
 
 /// Lanes of a block: a cache line of f64.
 pub const LANES: usize = 8;
@@ -37,7 +38,7 @@ macro_rules! plain_field {
         }
     )*};
 }
-plain_field!(f64, u32, bool, PrimitiveId, Media);
+plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media);
 
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(
@@ -108,36 +109,38 @@ impl<R: Row> Columns<R> {
     }
 }
 
-/// Declares a row struct and its columns.
+/// Declares a row struct and its columns; a row may be generic in one type of number.
 macro_rules! columns {
     (
-        $(#[$row_doc:meta])* pub struct $row:ident => $block:ident {
+        $(#[$row_doc:meta])* pub struct $row:ident $(<$real:ident>)? => $block:ident {
             $($(#[$doc:meta])* $field:ident: $type:ty,)*
         }
     ) => {
         $(#[$row_doc])*
         #[derive(Clone, Copy, Debug, Default)]
-        pub struct $row {
+        pub struct $row $(<$real>)? {
             $($(#[$doc])* pub $field: $type,)*
         }
 
         #[doc = concat!("A block of columns of [`", stringify!($row), "`].")]
         #[derive(Clone, Copy, Default)]
-        pub struct $block {
+        pub struct $block $(<$real: $crate::trace::columns::Field>)? {
             $($field: <$type as $crate::trace::columns::Field>::Block,)*
         }
 
-        impl $crate::trace::columns::Row for $row {
-            type Block = $block;
+        impl $(<$real: $crate::trace::columns::Field<Block: Send>>)? $crate::trace::columns::Row
+            for $row $(<$real>)?
+        {
+            type Block = $block $(<$real>)?;
 
             #[inline(always)]
-            fn get(block: &$block, lane: usize) -> $row {
+            fn get(block: &Self::Block, lane: usize) -> Self {
                 use $crate::trace::columns::Field;
                 $row { $($field: Field::get(&block.$field, lane),)* }
             }
 
             #[inline(always)]
-            fn set(block: &mut $block, lane: usize, row: $row) {
+            fn set(block: &mut Self::Block, lane: usize, row: Self) {
                 use $crate::trace::columns::Field;
                 let $row { $($field,)* } = row;
                 $(Field::set(&mut block.$field, lane, $field);)*

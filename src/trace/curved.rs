@@ -1,25 +1,36 @@
-//! Curved rays: Nyström steps under error control, searched as arcs.
+//! Curved rays: orbits stepped under error control, searched as arcs.
 
 use glam::DVec3;
 
-use super::columns::columns;
+use super::columns::{Field, Row, columns};
+use super::march::March;
 use super::transport::{Found, Landing, Outcome, Transport};
-use crate::geodesic::{Arc, Control, Dense, Step, Stepper, Verdict};
+use crate::geodesic::{Arc, Control, End, Launch, Phase, Step};
 use crate::geometry::{Geometry, Line, PrimitiveId};
-use crate::spacetime::{Chart, ConformallyFlat, Stop};
+use crate::math::real::Real;
+use crate::spacetime::{Chart, ConformallyFlat, Fate};
 
-/// Rays of a static, spherically symmetric spacetime.
-pub struct Curved<M, S> {
+/// A number that columns can hold.
+pub trait Lane: Real + Field<Block: Send> {}
+impl<R: Real + Field<Block: Send>> Lane for R {}
+
+/// Rays of a static, spherically symmetric spacetime, followed in numbers of type `R`.
+///
+/// Orbits are in `R`; places are in f64, and moved by displacements that are good to the rounding of `R` relative to
+/// the step: nothing jitters far from the origin.
+pub struct Curved<M, R> {
     /// The spacetime.
     pub medium: M,
-    /// The method of integration.
-    pub stepper: S,
+    /// The method of integration in it.
+    pub march: Box<dyn March<R>>,
     /// World position of its centre.
     pub center: DVec3,
     /// Where rays may stop.
     pub chart: Chart,
     /// What steps are held to.
-    pub control: Control,
+    pub control: Control<R>,
+    /// Largest distance between an arc and the curve.
+    pub arc_tolerance: f64,
     /// Arcs with a larger sagitta are searched in halves: a thick chord meets too many boxes.
     pub longest_sagitta: f64,
     /// World bounds of the geometry; arcs outside are not searched.
@@ -27,16 +38,28 @@ pub struct Curved<M, S> {
 }
 
 columns! {
-    /// A curved ray; position relative to the spacetime's centre.
-    pub struct CurvedFlight => CurvedFlightBlock {
-        /// Position.
+    /// A curved ray.
+    pub struct CurvedFlight<R> => CurvedFlightBlock {
+        /// Position, relative to the spacetime's centre.
         position: DVec3,
-        /// Momentum, |p| = n.
-        momentum: DVec3,
-        /// ½∇n² at the position.
-        force: DVec3,
-        /// Length in σ to try next.
-        h: f64,
+        /// Unit vector from the centre to the position.
+        radial: DVec3,
+        /// Unit vector across it in the orbit's plane, in the sense of motion.
+        along: DVec3,
+        /// Impact parameter.
+        b: R,
+        /// Inverse radius.
+        w: R,
+        /// dw/dψ.
+        v: R,
+        /// ½ dn²/dw.
+        pull: R,
+        /// Length in ξ to try next.
+        h: R,
+        /// Relative error of the step before.
+        error: R,
+        /// How the ray ends if nothing is in its way.
+        fate: Fate,
         /// What the position lies on, until the first step is taken.
         leaves: PrimitiveId,
         /// Steps so far, rejected ones included.
@@ -45,20 +68,28 @@ columns! {
 }
 
 columns! {
-    /// One step of a curved ray.
-    pub struct CurvedMove => CurvedMoveBlock {
-        /// Position at the end.
-        position: DVec3,
-        /// Momentum at the end.
-        momentum: DVec3,
-        /// Force at the end.
-        force: DVec3,
-        /// Middle control point of the arc.
-        middle: DVec3,
+    /// One step of a curved ray; places from its start, along the radius there and across it.
+    pub struct CurvedMove<R> => CurvedMoveBlock {
+        /// Inverse radius at the end.
+        w: R,
+        /// dw/dψ at the end.
+        v: R,
+        /// ½ dn²/dw at the end.
+        pull: R,
+        /// End, outwards.
+        end_x: R,
+        /// End, across.
+        end_y: R,
+        /// Middle control point of the arc, outwards.
+        middle_x: R,
+        /// Middle control point of the arc, across.
+        middle_y: R,
         /// Its weight.
-        weight: f64,
-        /// Length in σ to try next.
-        next_h: f64,
+        weight: R,
+        /// Length in ξ to try next.
+        next_h: R,
+        /// Relative error.
+        error: R,
         /// Whether the step is good enough to be taken.
         accepted: bool,
     }
@@ -68,24 +99,38 @@ columns! {
 const MAX_STEPS: u32 = 10_000;
 /// Most times that an arc is halved for the search.
 const MAX_HALVINGS: u32 = 8;
+/// How far outside the geometry a step may end, as a part of the inverse radius that bounds it.
+const OUTSIDE: f64 = 0.5;
 
-impl<M: ConformallyFlat, S: Stepper> Curved<M, S> {
-    fn step(&self, flight: &CurvedFlight, step: &CurvedMove) -> Step {
-        Step {
-            start: [flight.position, flight.momentum, flight.force],
-            end: [step.position, step.momentum, step.force],
-            h: flight.h,
-            momentum_error: DVec3::ZERO,
-        }
+impl<R: Lane> CurvedFlight<R> {
+    /// Where the ray is on its orbit.
+    #[inline(always)]
+    pub fn phase(&self) -> Phase<R> {
+        Phase { w: self.w, v: self.v, pull: self.pull }
+    }
+
+    /// A vector in the orbit's plane, from components along the radius and across it.
+    #[inline(always)]
+    fn place(&self, outwards: R, across: R) -> DVec3 {
+        outwards.value() * self.radial + across.value() * self.along
+    }
+}
+
+impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
+    /// The part `s` of a step.
+    fn piece(&self, flight: &CurvedFlight<R>, s: f64) -> Step<R> {
+        self.march.step(flight.b, flight.phase(), R::of(s) * flight.h)
     }
 
     /// The step's arc, in world coordinates.
-    fn arc(&self, flight: &CurvedFlight, step: &CurvedMove) -> Arc {
+    #[inline(always)]
+    fn arc(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Arc {
+        let p0 = flight.position + self.center;
         Arc {
-            p0: flight.position + self.center,
-            p1: step.middle + self.center,
-            p2: step.position + self.center,
-            w: step.weight,
+            p0,
+            p1: p0 + flight.place(step.middle_x, step.middle_y),
+            p2: p0 + flight.place(step.end_x, step.end_y),
+            w: step.weight.value(),
         }
     }
 
@@ -95,57 +140,131 @@ impl<M: ConformallyFlat, S: Stepper> Curved<M, S> {
         low.cmple(max).all() && high.cmpge(min).all()
     }
 
-    /// Moves a crossing from the arc to the dense output, where that stays on the primitive and beside nothing else.
-    fn polish(&self, geometry: &Geometry, flight: &CurvedFlight, step: &CurvedMove, found: Found) -> Landing {
+    /// A length of at most `h` for the next step: far outside the geometry, rays go to its edge in one step, and on
+    /// their way out they do not go far beyond.
+    #[inline(always)]
+    fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
+        let h = self.control.within(h, b, phase);
+        let edge = R::of(OUTSIDE * self.chart.outer);
+        let (w, v) = (phase.w, phase.v);
+        if v < R::of(0.0) {
+            let outer = if w > edge + edge { edge } else { R::of(OUTSIDE) * w };
+            h.at_most((outer - w) / v)
+        } else if w < edge {
+            h.at_most((edge + edge - w) / v)
+        } else {
+            h
+        }
+    }
+
+    /// Guesses which part of a step leads to `point`, relative to the centre.
+    fn part(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
+        let tangent = (flight.b * flight.h).value();
+        let (w0, w1) = (flight.w.value(), step.w.value());
+        let s = if tangent > 1e-3 {
+            point.dot(flight.along) / (point.dot(flight.radial) * tangent)
+        } else if (w1 - w0).abs() > 1e-3 * w0 {
+            (1.0 / point.length() - w0) / (w1 - w0)
+        } else {
+            let chord = flight.place(step.end_x, step.end_y);
+            (point - flight.position).dot(chord) / chord.length_squared()
+        };
+        if s.is_finite() { s.clamp(0.0, 1.0) } else { 1.0 }
+    }
+
+    /// Moves a crossing from the arc to the curve, where that stays on the primitive and beside nothing else.
+    fn polish(
+        &self,
+        geometry: &Geometry,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+        found: Found,
+    ) -> Landing {
         let Found { point, primitive } = found;
-        let dense = Dense::new(&self.step(flight, step));
-        let start = dense.parameter_beside(point - self.center, step.position - flight.position);
-        let at = |s: f64| geometry.carrier(primitive, dense.position(s) + self.center);
-        let mut s = start;
+        let at = |s: f64| {
+            let piece = self.piece(flight, s);
+            let [x, y] = piece.displacement();
+            let [tx, ty] = piece.end_tangent();
+            let direction = flight.place(tx, ty);
+            (flight.position + self.center + flight.place(x, y), direction, piece)
+        };
+        let mut s = self.part(flight, step, point - self.center);
+        let (mut position, mut direction, mut piece) = at(s);
         for _ in 0..4 {
-            let (height, normal) = at(s);
-            let shift = height / normal.dot(dense.velocity(s));
+            let (height, normal) = geometry.carrier(primitive, position);
+            // |dx/dξ| = n c²/w².
+            let (b, w, v, c) =
+                (piece.b.value(), piece.end.w.value(), piece.end.v.value(), piece.cos.value());
+            let speed = flight.h.value() * v.hypot(b * w) * c * c / (w * w);
+            let shift = height / (normal.dot(direction) * speed);
             s -= shift;
+            (position, direction, piece) = at(s);
             // Quadratic convergence: what is left is the square of this.
-            if shift.abs() < 1e-7 {
+            if shift.abs() < 1e-6 {
                 break;
             }
         }
-        let position = dense.position(s) + self.center;
-        let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.control.arc_tolerance;
+        let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.arc_tolerance;
         let clear = near
             && geometry.covers(primitive, position)
             && geometry.intersect(&Line { p0: point, p2: position }, primitive).is_none();
-        let (position, s) = if clear { (position, s) } else { (point, start) };
-        Landing { position, direction: dense.velocity(s).normalize(), primitive }
+        if !clear {
+            direction = at(self.part(flight, step, point - self.center)).1;
+            position = point;
+        }
+        Landing { position, direction: direction.normalize(), primitive }
+    }
+
+    /// The direction at infinity of a ray that meets nothing more.
+    fn direction_at_infinity(&self, flight: &CurvedFlight<R>, phase: Phase<R>) -> Outcome<CurvedFlight<R>> {
+        match self.march.to_infinity(flight.b, phase, flight.fate) {
+            End::Crosses(_, swept) => {
+                let (sin, cos) = swept.value().sin_cos();
+                Outcome::Escaped((cos * flight.radial + sin * flight.along).normalize())
+            }
+            End::StepLimit => Outcome::StepLimit,
+            End::Falls | End::Misses | End::NonFinite => Outcome::NonFinite,
+        }
     }
 }
 
-impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
-    type Flight = CurvedFlight;
-    type Move = CurvedMove;
+impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
+    type Flight = CurvedFlight<R>;
+    type Move = CurvedMove<R>;
     type Segment = Arc;
 
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> CurvedFlight {
-        let x = position - self.center;
-        let momentum = self.medium.momentum(x, direction);
+    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> CurvedFlight<R> {
+        let position = position - self.center;
+        let Launch { radial, along, b, w, v, fate } =
+            Launch::new(&self.medium, position, direction, R::EPSILON);
+        let (b, phase) = (R::of(b), Phase::new(&self.medium, R::of(w), R::of(v)));
+        let h = self.march.first_step(b, &phase);
         CurvedFlight {
-            position: x,
-            momentum,
-            force: self.medium.force(x),
-            h: self.control.first_step(&self.stepper, &self.medium, x, momentum),
+            position,
+            radial,
+            along,
+            b,
+            w: phase.w,
+            v: phase.v,
+            pull: phase.pull,
+            h: self.within(h, b, &phase),
+            error: R::of(1.0),
+            fate,
             leaves,
             steps: 0,
         }
     }
 
-    #[inline(always)]
-    fn advance(&self, flight: &CurvedFlight) -> CurvedMove {
-        let step =
-            self.stepper.step(&self.medium, [flight.position, flight.momentum, flight.force], flight.h);
-        let Verdict { arc, accepted, next_h } = self.control.judge(&step);
-        let [position, momentum, force] = step.end;
-        CurvedMove { position, momentum, force, middle: arc.p1, weight: arc.w, next_h, accepted }
+    fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
+        self.march.advance(flight)
+    }
+
+    fn advance_blocks(
+        &self,
+        flights: &[<Self::Flight as Row>::Block],
+        moves: &mut [<Self::Move as Row>::Block],
+    ) {
+        self.march.advance_blocks(flights, moves);
     }
 
     #[inline(always)]
@@ -190,7 +309,7 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<CurvedFlight> {
+    ) -> Outcome<CurvedFlight<R>> {
         if let Some(found) = found {
             return Outcome::Landed(self.polish(geometry, flight, step, found));
         }
@@ -199,36 +318,43 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
             return Outcome::StepLimit;
         }
         if !step.accepted {
-            // The next step must be finite and not vanish beside the position; a state lost for good is reported.
-            let moves = step.next_h * flight.momentum.length() > f64::EPSILON * flight.position.length();
+            // The next step must be finite and not vanish; a state lost for good is reported.
             let shorter = CurvedFlight { h: step.next_h, steps, ..*flight };
+            let moves = step.next_h.value() > f64::from(f32::MIN_POSITIVE) && step.next_h < flight.h;
             return if moves { Outcome::Flying(shorter) } else { Outcome::NonFinite };
         }
-        match self.chart.stop(step.position, step.momentum) {
-            Some(Stop::Escaped) => {
-                Outcome::Escaped(self.medium.escape_direction(step.position, step.momentum))
-            }
-            Some(Stop::Captured) => Outcome::Captured,
-            None => Outcome::Flying(CurvedFlight {
-                position: step.position,
-                momentum: step.momentum,
-                force: step.force,
-                h: self.control.within_stride(step.next_h, step.position, step.momentum),
-                leaves: PrimitiveId::NONE,
-                steps,
-            }),
+        // In f64, so that the vectors stay orthonormal.
+        let tangent = (flight.b * flight.h).value();
+        let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
+        let sin = tangent * cos;
+        let phase = Phase { w: step.w, v: step.v, pull: step.pull };
+        let next = CurvedFlight {
+            position: flight.position + flight.place(step.end_x, step.end_y),
+            radial: cos * flight.radial + sin * flight.along,
+            along: cos * flight.along - sin * flight.radial,
+            w: phase.w,
+            v: phase.v,
+            pull: phase.pull,
+            h: self.within(step.next_h, flight.b, &phase),
+            error: step.error,
+            leaves: PrimitiveId::NONE,
+            steps,
+            ..*flight
+        };
+        if self.chart.is_left(flight.fate, phase.w.value(), phase.v.value()) {
+            return match flight.fate {
+                Fate::Escapes => self.direction_at_infinity(&next, phase),
+                Fate::Falls => Outcome::Captured,
+            };
         }
+        Outcome::Flying(next)
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         if !step.accepted {
             return 0.0;
         }
-        let dense = Dense::new(&self.step(flight, step));
-        let end = match point {
-            Some(point) => dense.parameter_beside(point - self.center, step.position - flight.position),
-            None => 1.0,
-        };
-        dense.length(end)
+        let arc = self.arc(flight, step);
+        arc.length(point.map_or(1.0, |point| arc.parameter_beside(point)))
     }
 }

@@ -5,6 +5,7 @@
 
 mod columns;
 mod curved;
+mod march;
 mod paper;
 mod path;
 mod per_pixel;
@@ -26,11 +27,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::geodesic::{Control, Rkn4, Rkn5, Stepper};
-use crate::scene::{Baked, SamplerKind, Schedule, SpacetimeKind, StepperKind};
+use crate::geodesic::Control;
+use crate::scene::{Baked, Precision, SamplerKind, Schedule, SpacetimeKind, StepperKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
-use curved::Curved;
+use curved::{Curved, Lane};
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
 pub use shoot::{Ray, Shot, shoot};
@@ -110,29 +111,30 @@ fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     };
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    let chart = Chart::new(&medium, nearest, farthest, TAIL * settings.tolerance);
-    let hole = Hole { medium, center, chart };
-    match settings.stepper {
-        StepperKind::Rk4Paper => errand.run(&PaperMarch { medium, center, chart }),
-        StepperKind::Rkn4 => errand.run(&hole.curved(scene, Rkn4)),
-        StepperKind::Rkn5 => errand.run(&hole.curved(scene, Rkn5)),
+    let place = Place { medium, center, chart: Chart::new(&medium, nearest, farthest) };
+    match (settings.stepper, settings.precision) {
+        (StepperKind::Rk4Paper, _) => errand.run(&PaperMarch { medium, center, chart: place.chart }),
+        (_, Precision::F32) => errand.run(&place.curved::<f32>(scene)),
+        (_, Precision::F64) => errand.run(&place.curved::<f64>(scene)),
     }
 }
 
 /// A spacetime in its place.
-struct Hole<M> {
+struct Place<M> {
     medium: M,
     center: DVec3,
     chart: Chart,
 }
 
-impl<M: ConformallyFlat> Hole<M> {
-    fn curved<S: Stepper>(&self, scene: &Baked, stepper: S) -> Curved<M, S> {
+impl<M: ConformallyFlat + 'static> Place<M> {
+    fn curved<R: Lane>(&self, scene: &Baked) -> Curved<M, R> {
         let arc_tolerance = scene.arc_tolerance();
+        let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         Curved {
             medium: self.medium,
-            control: Control::new(&stepper, scene.settings.tolerance, arc_tolerance),
-            stepper,
+            march: march::march(self.medium, scene.settings.stepper, control),
+            control,
+            arc_tolerance,
             center: self.center,
             chart: self.chart,
             longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
@@ -141,8 +143,6 @@ impl<M: ConformallyFlat> Hole<M> {
     }
 }
 
-/// Error allowed to the far tail's closed form, relative to a step's.
-const TAIL: f64 = 0.1;
 /// Largest sagitta of a searched arc, relative to the median primitive.
 const SAGITTA: f64 = 0.25;
 

@@ -4,11 +4,12 @@
 
 use glam::DVec3;
 
-use super::columns::columns;
+use super::columns::{Row, columns};
+use super::stages::advance::{Advance, advance_blocks};
 use super::transport::{Found, Landing, Outcome, Transport};
-use crate::geodesic::PaperRk4;
+use crate::geodesic::{Control, End, Launch, PaperRk4, Phase, Rkn6, follow};
 use crate::geometry::{Geometry, Line, PrimitiveId};
-use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild, Stop};
+use crate::spacetime::{Chart, ConformallyFlat, Fate, Schwarzschild};
 
 /// First step \[J\].
 const FIRST_STEP: f64 = 10.0;
@@ -61,6 +62,34 @@ columns! {
     }
 }
 
+/// Error of the direction at infinity, radians: the paper's room has no sky, so this is not a part of its scheme.
+const TAIL: f64 = 1e-6;
+
+impl PaperMarch {
+    fn direction_at_infinity(&self, orbit: &Launch) -> Outcome<PaperFlight> {
+        let control = Control::new(&self.medium, TAIL, f64::INFINITY);
+        let ray = (orbit.b, Phase::new(&self.medium, orbit.w, orbit.v), orbit.fate);
+        match follow(&self.medium, &Rkn6, &control, ray, 0.0, |_| {}).end {
+            End::Crosses(_, swept) => {
+                Outcome::Escaped((orbit.radial * swept.cos() + orbit.along * swept.sin()).normalize())
+            }
+            _ => Outcome::NonFinite,
+        }
+    }
+}
+
+impl Advance for PaperMarch {
+    type Flight = PaperFlight;
+    type Move = PaperMove;
+
+    #[inline(always)]
+    fn advance(&self, flight: &PaperFlight) -> PaperMove {
+        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
+        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
+        PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
+    }
+}
+
 impl Transport for PaperMarch {
     type Flight = PaperFlight;
     type Move = PaperMove;
@@ -70,7 +99,7 @@ impl Transport for PaperMarch {
         let x = position - self.center;
         PaperFlight {
             position: x,
-            momentum: self.medium.momentum(x, direction),
+            momentum: direction * self.medium.index_squared(1.0 / x.length()).sqrt(),
             step: FIRST_STEP,
             leaves,
             steps: 0,
@@ -78,10 +107,16 @@ impl Transport for PaperMarch {
     }
 
     #[inline(always)]
-    fn advance(&self, flight: &PaperFlight) -> PaperMove {
-        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
-        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
-        PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
+    fn advance(&self, flight: &Self::Flight) -> Self::Move {
+        Advance::advance(self, flight)
+    }
+
+    fn advance_blocks(
+        &self,
+        flights: &[<Self::Flight as Row>::Block],
+        moves: &mut [<Self::Move as Row>::Block],
+    ) {
+        advance_blocks(self, flights, moves);
     }
 
     #[inline(always)]
@@ -115,18 +150,23 @@ impl Transport for PaperMarch {
         if !(position.is_finite() && momentum.is_finite()) {
             return Outcome::NonFinite;
         }
-        match self.chart.stop(position, momentum) {
-            Some(Stop::Escaped) => Outcome::Escaped(self.medium.escape_direction(position, momentum)),
-            Some(Stop::Captured) => Outcome::Captured,
-            None if steps >= MAX_ITERATIONS => Outcome::StepLimit,
-            None => Outcome::Flying(PaperFlight {
-                position,
-                momentum,
-                step: (GROW * flight.step).min(LARGEST_STEP),
-                leaves: PrimitiveId::NONE,
-                steps,
-            }),
+        let orbit = Launch::new(&self.medium, position, momentum, f64::EPSILON);
+        if self.chart.is_left(orbit.fate, orbit.w, orbit.v) {
+            return match orbit.fate {
+                Fate::Falls => Outcome::Captured,
+                Fate::Escapes => self.direction_at_infinity(&orbit),
+            };
         }
+        if steps >= MAX_ITERATIONS {
+            return Outcome::StepLimit;
+        }
+        Outcome::Flying(PaperFlight {
+            position,
+            momentum,
+            step: (GROW * flight.step).min(LARGEST_STEP),
+            leaves: PrimitiveId::NONE,
+            steps,
+        })
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {

@@ -60,6 +60,13 @@ pub trait Transport: Sync {
     /// The next move of a ray; touches nothing but the ray.
     fn advance(&self, flight: &Self::Flight) -> Self::Move;
 
+    /// The next moves of blocks of rays, bit for bit those of [`Self::advance`].
+    fn advance_blocks(
+        &self,
+        flights: &[<Self::Flight as Row>::Block],
+        moves: &mut [<Self::Move as Row>::Block],
+    );
+
     /// The pieces of a move to be searched in turn, none if nothing can be met: calls `search` until it finds
     /// something. `search` takes a piece and the primitive that the piece starts on.
     fn search(

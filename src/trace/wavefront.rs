@@ -7,7 +7,6 @@
 use super::columns::Columns;
 use super::path::Path;
 use super::samples::{Fate, Samples};
-use super::stages::advance::advance;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
@@ -73,7 +72,7 @@ impl<T: Transport> Wavefront<T> {
             if self.live == 0 {
                 return;
             }
-            advance(transport, &self.flights, &mut self.moves, self.live);
+            transport.advance_blocks(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
             lap.end(&mut times.advance);
             self.intersect(job, transport, counters);
             lap.end(&mut times.intersect);

@@ -1,40 +1,48 @@
 //! One move for every ray: pure arithmetic, lane beside lane.
 
-use super::super::columns::{Columns, LANES, Row};
-use super::super::transport::Transport;
+use super::super::columns::{LANES, Row};
 
-/// Writes the next move of each of the first `lanes` rays (and of what else is in their blocks).
+/// A kernel that gives the next move of a ray, from nothing but the ray.
+pub trait Advance: Sync {
+    /// A ray in flight.
+    type Flight: Row;
+    /// One move of a ray.
+    type Move: Row;
+
+    /// The next move.
+    fn advance(&self, flight: &Self::Flight) -> Self::Move;
+}
+
+/// Writes the next move of each ray.
 ///
 /// Compiled for the widest vectors that the machine has. No instruction set fuses or reorders operations, so the bits
 /// are those of the plain kernel.
-pub fn advance<T: Transport>(
-    transport: &T,
-    flights: &Columns<T::Flight>,
-    moves: &mut Columns<T::Move>,
-    lanes: usize,
+pub fn advance_blocks<A: Advance>(
+    kernel: &A,
+    flights: &[<A::Flight as Row>::Block],
+    moves: &mut [<A::Move as Row>::Block],
 ) {
-    pulp::Arch::new().dispatch(Advance { transport, flights, moves, lanes });
+    pulp::Arch::new().dispatch(Blocks { kernel, flights, moves });
 }
 
 /// The loop as a value: closures cannot be forced inline, and only what is inlined gets the wide instructions.
-struct Advance<'a, T: Transport> {
-    transport: &'a T,
-    flights: &'a Columns<T::Flight>,
-    moves: &'a mut Columns<T::Move>,
-    lanes: usize,
+struct Blocks<'a, A: Advance> {
+    kernel: &'a A,
+    flights: &'a [<A::Flight as Row>::Block],
+    moves: &'a mut [<A::Move as Row>::Block],
 }
 
-impl<T: Transport> pulp::NullaryFnOnce for Advance<'_, T> {
+impl<A: Advance> pulp::NullaryFnOnce for Blocks<'_, A> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Advance { transport, flights, moves, lanes } = self;
-        for (output, input) in moves.blocks_mut(lanes).iter_mut().zip(flights.blocks(lanes)) {
+        let Blocks { kernel, flights, moves } = self;
+        for (output, input) in moves.iter_mut().zip(flights) {
             // Local copies cannot alias, which the vectoriser needs to know.
-            let (flights, mut moves) = (*input, <T::Move as Row>::Block::default());
+            let (flights, mut moves) = (*input, <A::Move as Row>::Block::default());
             for lane in 0..LANES {
-                T::Move::set(&mut moves, lane, transport.advance(&T::Flight::get(&flights, lane)));
+                A::Move::set(&mut moves, lane, kernel.advance(&A::Flight::get(&flights, lane)));
             }
             *output = moves;
         }

@@ -1,0 +1,138 @@
+//! A ray followed to its end where nothing is in its way.
+
+use super::{Control, Phase, Step, Stepper};
+use crate::math::real::Real;
+use crate::spacetime::{ConformallyFlat, Fate};
+
+/// How a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End<R> {
+    /// It crosses the sphere outwards in this phase, having swept this angle.
+    Crosses(Phase<R>, R),
+    /// It falls through the horizon before.
+    Falls,
+    /// It leaves to infinity without ever crossing the sphere outwards.
+    Misses,
+    /// It took more steps than allowed.
+    StepLimit,
+    /// Its state is no longer finite.
+    NonFinite,
+}
+
+/// A ray, followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Journey<R> {
+    /// How it ended.
+    pub end: End<R>,
+    /// Inverse radius of the point nearest to the centre, if the ray passes one.
+    pub periastron: Option<R>,
+    /// Steps tried.
+    pub steps: u32,
+}
+
+/// Most steps tried.
+const MAX_STEPS: u32 = 100_000;
+
+/// Follows a ray of impact parameter `b` from `start` until it crosses the sphere of inverse radius `w_out` outwards
+/// (0 is infinity), falls, or is lost; `each` sees every step that is taken.
+pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
+    medium: &M,
+    stepper: &S,
+    control: &Control<R>,
+    (b, start, fate): (R, Phase<R>, Fate),
+    w_out: f64,
+    mut each: impl FnMut(&Step<R>),
+) -> Journey<R> {
+    let zero = R::of(0.0);
+    let out = R::of(w_out);
+    let mut phase = start;
+    let mut swept = zero;
+    let mut h = control.first_step::<M, S>(medium, b, &phase);
+    let mut previous = R::of(1.0);
+    let mut journey = Journey { end: End::StepLimit, periastron: None, steps: 0 };
+    let mut take = |step: &Step<R>, swept: &mut R| {
+        each(step);
+        *swept = *swept + angle(step);
+        step.end
+    };
+    while journey.steps < MAX_STEPS {
+        let inwards = phase.v > zero;
+        if inwards && fate == Fate::Falls {
+            return Journey { end: End::Falls, ..journey };
+        }
+        if !inwards && phase.w < out {
+            return Journey { end: End::Misses, ..journey };
+        }
+        journey.steps += 1;
+        // Where a step ends is free: its length carries no derivative.
+        let step = Step::new(medium, stepper, b, phase, R::of(h.value()));
+        let verdict = control.judge::<S>(&step, zero, previous);
+        if !verdict.accepted {
+            if !(verdict.next_h > zero && phase.w.value().is_finite()) || h.value() < f64::MIN_POSITIVE {
+                return Journey { end: End::NonFinite, ..journey };
+            }
+            h = verdict.next_h;
+            continue;
+        }
+        let cut = |at: &dyn Fn(&Step<R>) -> (R, R)| land(medium, stepper, &step, at);
+        if inwards != (step.end.v > zero) {
+            // The turning point first: the sphere may be crossed on either side of it.
+            let b2 = b * b;
+            let turn =
+                cut(&|step| (step.end.v, (step.end.pull - b2 * step.end.w) * step.cos * step.cos));
+            phase = take(&turn, &mut swept);
+            phase.v = zero;
+            if inwards {
+                journey.periastron = Some(phase.w);
+            } else {
+                return Journey { end: End::Falls, ..journey };
+            }
+        } else if !inwards && step.end.w <= out {
+            let exit = cut(&|step| (step.end.w - out, step.end.v * step.cos * step.cos));
+            phase = take(&exit, &mut swept);
+            return Journey { end: End::Crosses(phase, swept), ..journey };
+        } else {
+            phase = take(&step, &mut swept);
+        }
+        h = control.within(verdict.next_h, b, &phase);
+        previous = verdict.error;
+    }
+    journey
+}
+
+/// The angle that a step sweeps.
+fn angle<R: Real>(step: &Step<R>) -> R {
+    // atan of a number with a derivative: the derivative of the tangent, times the squared cosine.
+    let tangent = step.b * step.h;
+    R::of(tangent.value().atan()) + (tangent - R::of(tangent.value())) * step.cos * step.cos
+}
+
+/// The part of `step` up to the root of a function that `at` gives with its derivative in h, by Newton's method within
+/// a bracket.
+fn land<M: ConformallyFlat, R: Real>(
+    medium: &M,
+    stepper: &impl Stepper,
+    step: &Step<R>,
+    at: &dyn Fn(&Step<R>) -> (R, R),
+) -> Step<R> {
+    let end_sign = at(step).0 > R::of(0.0);
+    let (mut low, mut high) = (R::of(0.0), step.h);
+    let mut piece = *step;
+    for _ in 0..60 {
+        let (miss, slope) = at(&piece);
+        if (miss > R::of(0.0)) == end_sign {
+            high = piece.h;
+        } else {
+            low = piece.h;
+        }
+        let newton = piece.h - miss / slope;
+        let inside = newton > low && newton < high;
+        let h = if inside { newton } else { R::of(0.5) * (low + high) };
+        let moved = (h - piece.h).abs().value();
+        piece = Step::new(medium, stepper, step.b, step.start, h);
+        if moved <= 2.0 * R::EPSILON * step.h.value() {
+            break;
+        }
+    }
+    piece
+}

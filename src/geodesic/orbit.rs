@@ -1,0 +1,185 @@
+//! A null ray of a static, spherically symmetric spacetime as a problem in one dimension.
+//!
+//! The ray stays in a plane through the centre and keeps its impact parameter b. With w = 1/ρ and the parameter
+//! dψ = dσ/ρ², in which the swept angle is exactly φ = b ψ, it obeys Binet's equation
+//!
+//! ```text
+//! w″ + b² w = g(w),  g = ½ dn²/dw,  with  w′² + b² w² = n²(w).
+//! ```
+//!
+//! Nothing in it is singular but the horizon: infinity is w = 0, a radial ray is b = 0, and a ray from 10⁸ r_s takes as
+//! many steps as one from 10² r_s. A step is taken in the gnomonic projection ξ = tan(bψ)/b, W = w/cos(bψ), centred on
+//! its start, where
+//!
+//! ```text
+//! d²W/dξ² = g(W c) c³,  c = 1/√(1 + b²ξ²):
+//! ```
+//!
+//! straight lines have a right-hand side of 0, so that the error is of the field, not of the angle. After each step
+//! w′² + b² w² = n² is restored. What is left is an error along the orbit, which only shifts φ: errors of steps add up
+//! without growing, and a ray on one side of the critical impact parameter cannot cross to the other.
+
+use glam::DVec3;
+
+use super::Stepper;
+use crate::math::exact;
+use crate::math::frame;
+use crate::math::real::Real;
+use crate::spacetime::{ConformallyFlat, Fate};
+
+/// Where a ray starts: the plane of its orbit, and the constants that decide its fate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Launch {
+    /// Unit vector from the centre to the start.
+    pub radial: DVec3,
+    /// Unit vector of the orbit's plane across `radial`, in the sense in which the ray moves.
+    pub along: DVec3,
+    /// Impact parameter.
+    pub b: f64,
+    /// Inverse radius.
+    pub w: f64,
+    /// Its rate: minus the radial momentum.
+    pub v: f64,
+    /// How the ray ends if nothing is in its way.
+    pub fate: Fate,
+}
+
+/// Where a ray is on its orbit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Phase<R> {
+    /// Inverse isotropic radius.
+    pub w: R,
+    /// dw/dψ, minus the radial momentum.
+    pub v: R,
+    /// g = ½ dn²/dw.
+    pub pull: R,
+}
+
+/// A step along an orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<R> {
+    /// Impact parameter.
+    pub b: R,
+    /// Where it starts.
+    pub start: Phase<R>,
+    /// Where it ends.
+    pub end: Phase<R>,
+    /// Length in ξ: the tangent of the swept angle, over b.
+    pub h: R,
+    /// Cosine of the swept angle.
+    pub cos: R,
+    /// Sine of the swept angle.
+    pub sin: R,
+    /// Error of the swept angle that the stepper estimates, radians.
+    pub embedded: R,
+    /// Error of the swept angle across the orbit, which the constraint shows and which has been undone, radians.
+    pub undone: R,
+    /// Relative violation of w′² + b² w² = n² before it was undone.
+    pub drift: R,
+    /// What a step must keep small beside 1 to make sense at all: the estimated error of w′ relative to n, and how far
+    /// the constraint is from being linear over what was undone.
+    pub strain: R,
+}
+
+/// Rounding of w′² + b² w² − n², relative to n² and to that of one operation.
+const ROUNDING: f64 = 16.0;
+
+impl Launch {
+    /// The orbit of a ray that starts at `x`, relative to the centre and not 0, in the direction `d`, not 0 and of any
+    /// length.
+    ///
+    /// The impact parameter is good to the last digits even for a ray from far away that is aimed at the centre.
+    /// `epsilon` is the rounding of the numbers that the ray will be followed in: b keeps that far from the critical
+    /// one, so that rounding does not change a fate.
+    pub fn new<M: ConformallyFlat>(medium: &M, x: DVec3, d: DVec3, epsilon: f64) -> Self {
+        let (rho, length) = (x.length(), d.length());
+        let radial = x / rho;
+        let spin = exact::cross(x / rho, d / length);
+        let sine = spin.length();
+        let along = if sine > 0.0 { (spin / sine).cross(radial) } else { frame::tangents(radial).0 };
+        let w = 1.0 / rho;
+        let n = medium.index_squared(w).sqrt();
+        let b = n * rho * sine;
+        let cosine = radial.dot(d) / length;
+        let fate = Fate::of(medium, rho, b, cosine > 0.0);
+        // A ray through the centre of a medium without a horizon passes it at a distance that no number can resolve.
+        let smallest = if medium.horizon() > 0.0 { 0.0 } else { 1e-30 * rho };
+        let critical = medium.critical_impact_parameter();
+        let (below, above) = (critical * (1.0 - 4.0 * epsilon), critical * (1.0 + 4.0 * epsilon));
+        let b = if b < below || b > above {
+            b
+        } else if b < critical {
+            below
+        } else {
+            above
+        };
+        Self { radial, along, b: b.max(smallest), w, v: -n * cosine, fate }
+    }
+
+    /// Position, relative to the centre, at the inverse radius `w` and the angle `swept` from the start.
+    pub fn position(&self, w: f64, swept: f64) -> DVec3 {
+        (self.radial * swept.cos() + self.along * swept.sin()) / w
+    }
+
+    /// Unit direction of travel there, given the rate `v` = dw/dψ.
+    pub fn direction(&self, w: f64, v: f64, swept: f64) -> DVec3 {
+        let (sin, cos) = swept.sin_cos();
+        let (outwards, across) = (-v, self.b * w);
+        let direction =
+            self.radial * (outwards * cos - across * sin) + self.along * (outwards * sin + across * cos);
+        direction.normalize()
+    }
+}
+
+impl<R: Real> Phase<R> {
+    /// The phase at `w` and `v`.
+    pub fn new<M: ConformallyFlat>(medium: &M, w: R, v: R) -> Self {
+        Self { w, v, pull: medium.pull(w) }
+    }
+}
+
+impl<R: Real> Step<R> {
+    /// One step of length `h` in ξ; shorter steps from the same start are its dense output, of the method's own order.
+    #[inline(always)]
+    pub fn new<M: ConformallyFlat>(
+        medium: &M,
+        stepper: &impl Stepper,
+        b: R,
+        start: Phase<R>,
+        h: R,
+    ) -> Self {
+        let one = R::of(1.0);
+        let b2 = b * b;
+        let cosine = |xi: R| one / (one + b2 * xi * xi).sqrt();
+        let force = |xi: R, position: R| {
+            let c = cosine(xi);
+            medium.pull(position * c) * (c * c * c)
+        };
+        let trial = stepper.step(force, [start.w, start.v, start.pull], h);
+        let c = cosine(h);
+        let (w, v) = (trial.position * c, trial.velocity / c - trial.position * b2 * h * c);
+        let (n2, pull) = (medium.index_squared(w), medium.pull(w));
+        // One step of Newton's method towards the constraint, along its gradient in units of w and n.
+        let excess = v * v + b2 * w * w - n2;
+        let (slope_w, slope_v) = ((b2 * w - pull) * w, v);
+        let scale = R::of(0.5) / (slope_w * slope_w + slope_v * slope_v * n2);
+        let (across_w, across_v) = (scale * slope_w * w, scale * slope_v * n2);
+        let n = n2.sqrt();
+        let angle = |w_error: R, v_error: R| b * (w_error.abs() * n + v_error.abs() * w.abs()) / n2;
+        let v_error = trial.velocity_error / c;
+        // Near the circular ray both slopes vanish, and rounding would look like an error.
+        let known = (excess.abs() - R::of(ROUNDING * R::EPSILON) * n2).at_least(R::of(0.0));
+        Self {
+            b,
+            start,
+            end: Phase { w: w - excess * across_w, v: v - excess * across_v, pull },
+            h,
+            cos: c,
+            sin: b * h * c,
+            embedded: angle(trial.position_error * c, v_error),
+            undone: known * angle(across_w, across_v),
+            drift: excess.abs() / n2,
+            strain: known * scale * n2 + v_error.abs() / n,
+        }
+    }
+}
