@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::args::CompareArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::units::significant;
+use super::units::{plural, significant};
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;
 use crate::film::{read_exr, write_exr, write_rgb8};
@@ -56,10 +56,10 @@ pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
 }
 
 /// Refuses an output that would replace a picture to compare.
-fn spare_inputs(output: &Path, inputs: [&std::path::PathBuf; 2]) -> Result<(), Failure> {
+fn spare_inputs(output: &Path, inputs: [&Path; 2]) -> Result<(), Failure> {
     let there = fs::canonicalize(output).ok();
     let taken = |input: &Path| there.is_some() && there == fs::canonicalize(input).ok();
-    if inputs.iter().any(|input| taken(input)) {
+    if inputs.into_iter().any(taken) {
         let message = format!("`{}` is one of the pictures to compare", output.display());
         return Err(Failure::new(message).help("name another file for the difference"));
     }
@@ -79,17 +79,21 @@ fn scale() -> String {
 fn excesses(args: &CompareArgs, comparison: &Comparison) -> Vec<String> {
     let Comparison { beauty, verdict, .. } = comparison;
     let mut excesses = Vec::new();
-    let bounds = [("RMSE", "--max-rmse", args.max_rmse), ("relMSE", "--max-relmse", args.max_relmse)];
-    for (what, flag, bound) in bounds {
-        let Some(bound) = bound else { continue };
-        let found = beauty.measures.as_ref().map(|m| if what == "RMSE" { m.rmse } else { m.relmse });
-        if let Some(found) = found.filter(|found| *found > bound) {
+    let measures = beauty.measures.as_ref();
+    let bounds = [
+        ("RMSE", measures.map(|m| m.rmse), "--max-rmse", args.max_rmse),
+        ("relMSE", measures.map(|m| m.relmse), "--max-relmse", args.max_relmse),
+    ];
+    for (what, found, flag, bound) in bounds {
+        if let (Some(found), Some(bound)) = (found, bound)
+            && found > bound
+        {
             excesses.push(format!("{what} {} is above {flag} {bound}", significant(found)));
         }
     }
     let bounded = args.max_rmse.is_some() || args.max_relmse.is_some();
     if bounded && beauty.non_finite_unequal > 0 {
-        excesses.push(format!("{} values that are not finite", beauty.non_finite_unequal));
+        excesses.push(format!("{} unequal pairs of colours that are not finite", beauty.non_finite_unequal));
     }
     if args.strict && !matches!(verdict, Verdict::Identical | Verdict::WithinNoise) {
         excesses.push("not the same within noise, as --strict asks".to_owned());
@@ -161,7 +165,8 @@ fn row(channel: &Channel) -> String {
 fn left_out(channel: &Channel) -> Option<String> {
     let Channel { name, non_finite, non_finite_unequal, .. } = channel;
     (*non_finite > 0).then(|| {
-        format!("left out     {non_finite} values of {name} are not finite, {non_finite_unequal} of them unequal\n")
+        let pairs = plural(*non_finite, "pair is not finite", "pairs are not finite");
+        format!("left out     {name}: {pairs}, {non_finite_unequal} of them unequal\n")
     })
 }
 
@@ -172,7 +177,7 @@ fn noise_text(noise: &Noise) -> String {
         "\npixels, z    |z| > 2: {:.2} % (4.55 % of normal ones), |z| > 3: {:.2} % (0.27 %), {}\n\
          means, z     R {}, G {}, B {}\n\
          tests        {} ({} blocks of {BLOCK}x{BLOCK} or more and the whole, in R, G, B), {}; \
-         by chance {:.2e}\n",
+         by chance {}\n",
         share(noise.pixels.beyond_2),
         share(noise.pixels.beyond_3),
         largest(noise.pixels.largest.as_ref()),
@@ -182,12 +187,16 @@ fn noise_text(noise: &Noise) -> String {
         noise.tests,
         noise.blocks,
         largest(noise.largest.as_ref()),
-        noise.probability,
+        significant(noise.probability),
     );
     if noise.non_finite > 0 {
-        let _ = writeln!(text, "left out     {} values of the tests that are not finite", noise.non_finite);
+        let _ = writeln!(
+            text,
+            "left out     {} pairs from the tests: values or variances that are not finite",
+            noise.non_finite
+        );
     }
-    if noise.same_seed {
+    if noise.same_seed && noise.largest.as_ref().is_some_and(|largest| largest.z != 0.0) {
         text.push_str(
             "note         both have the same seed: their noise may be the same and hide differences; \
              render one with another --seed\n",
@@ -204,7 +213,10 @@ fn largest(deviation: Option<&Deviation>) -> String {
 
 fn place(window: &Window) -> String {
     let Window { origin, size } = window;
-    format!("{}x{} at {origin:?}", size.0, size.1)
+    match size {
+        (1, 1) => format!("pixel {origin:?}"),
+        (width, height) => format!("{width}x{height} at {origin:?}"),
+    }
 }
 
 fn verdict_line(verdict: Verdict, beauty: &Channel, noise: Option<&Noise>) -> String {
@@ -217,8 +229,8 @@ fn verdict_line(verdict: Verdict, beauty: &Channel, noise: Option<&Noise>) -> St
             "differ: values that are not finite are unequal".to_owned()
         }
         (Verdict::Differ, noise) => format!(
-            "differ: so large a deviation comes by chance in {:.2e} of equal pictures, less than {SIGNIFICANCE}",
-            noise.map_or(0.0, |noise| noise.probability)
+            "differ: so large a deviation comes by chance in {} of equal pictures, less than {SIGNIFICANCE}",
+            significant(noise.map_or(0.0, |noise| noise.probability))
         ),
         (Verdict::WithinNoise, _) => "same within noise".to_owned(),
     };

@@ -220,8 +220,8 @@ mod tests {
             let (u, v): (f64, f64) = (rng.random(), rng.random());
             (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
         };
-        let mut value = || (1.0 + variance.sqrt() * normal()) as f32;
-        picture(|| value(), variance as f32, &seed.to_string())
+        let value = || (1.0 + variance.sqrt() * normal()) as f32;
+        picture(value, variance as f32, &seed.to_string())
     }
 
     fn picture(mut value: impl FnMut() -> f32, variance: f32, seed: &str) -> Image {
