@@ -27,7 +27,7 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
+//! `cli → study → film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
 #![warn(clippy::all)]
 
 pub mod asset;
@@ -39,6 +39,7 @@ pub mod math;
 pub mod scene;
 pub mod shade;
 pub mod spacetime;
+pub mod study;
 pub mod trace;
 
 /// The README, whose Rust blocks are tests.

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → film, trace → scene → asset, shade, geometry → geodesic →
-/// spacetime → math.
-const ALLOWED: [(&str, &[&str]); 10] = [
+/// Each folder with the others that it may use: cli → study → film, trace → scene → asset, shade, geometry →
+/// geodesic → spacetime → math.
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("math", &[]),
     ("spacetime", &["math"]),
     ("geodesic", &["spacetime", "math"]),
@@ -15,7 +15,8 @@ const ALLOWED: [(&str, &[&str]); 10] = [
     ("film", &["math"]),
     ("scene", &["asset", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("cli", &["trace", "scene", "film", "shade", "geometry"]),
+    ("study", &["trace", "scene", "film", "geometry", "geodesic", "spacetime", "math"]),
+    ("cli", &["study", "trace", "scene", "film", "shade", "geometry"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -28,6 +28,8 @@ pub(super) enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a scene holds, and which stages a render of it runs and why
     Info(InfoArgs),
+    /// Tell how far a picture is from a reference, and whether noise explains it
+    Compare(CompareArgs),
 }
 
 /// Arguments of `render`.
@@ -54,6 +56,35 @@ pub(super) struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+pub(super) struct CompareArgs {
+    /// OpenEXR picture
+    #[arg(value_name = "A.exr")]
+    pub(super) a: PathBuf,
+    /// OpenEXR picture of the same size: the reference
+    #[arg(value_name = "B.exr")]
+    pub(super) b: PathBuf,
+    /// OpenEXR file to write: A - B in every channel that both have
+    #[arg(short, long, value_name = "DIFF.exr", value_parser = OsStringValueParser::new().try_map(|s| parse::exr(&s)))]
+    pub(super) output: Option<PathBuf>,
+    /// PNG to write: relative difference of the colours, logarithmic from 0.001 (black) to 1 (pale yellow)
+    #[arg(long, value_name = "DIFF.png", value_parser = OsStringValueParser::new().try_map(|s| parse::png(&s)))]
+    pub(super) png: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Exit with 1 if the RMSE of the colours is above this
+    #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
+    pub(super) max_rmse: Option<f64>,
+    /// Exit with 1 if the relative MSE of the colours is above this
+    #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
+    pub(super) max_relmse: Option<f64>,
+    /// Exit with 1 unless the colours are identical or the same within noise
+    #[arg(long)]
+    pub(super) strict: bool,
 }
 
 /// Which scene, and what is changed in it.

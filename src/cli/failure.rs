@@ -3,8 +3,10 @@
 use std::error::Error;
 use std::fmt;
 
+use crate::film::ReadError;
 use crate::film::atomic::OutputError;
 use crate::scene::SceneError;
+use crate::study::compare::Mismatch;
 
 /// One line `error: …`, then indented lines that say more.
 #[derive(Debug)]
@@ -35,6 +37,18 @@ impl fmt::Display for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::new(error.to_string()).help(error.remedy)
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        Self::new(error.to_string()).help("give an OpenEXR picture, such as `render` writes")
+    }
+}
+
+impl From<Mismatch> for Failure {
+    fn from(error: Mismatch) -> Self {
+        Self::new(error.cause).help(error.remedy)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Arguments → options, one file per subcommand.
 
 mod args;
+mod compare;
 mod cost;
 mod failure;
 mod info;
@@ -31,9 +32,11 @@ enum Outcome {
     Good,
     /// Something was lost, and `--strict` was given.
     Lost,
+    /// Pictures differ by more than a flag allows.
+    Differ,
 }
 
-/// Runs the command line; 0 good, 1 something was lost under `--strict`, 2 bad input.
+/// Runs the command line; 0 good, 1 something was lost or differs and a flag minds, 2 bad input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -46,10 +49,11 @@ pub fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
+        Command::Compare(args) => compare::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
-        Ok(Outcome::Lost) => ExitCode::from(1),
+        Ok(Outcome::Lost | Outcome::Differ) => ExitCode::from(1),
         Err(failure) => {
             say(failure);
             ExitCode::from(2)

@@ -53,6 +53,14 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a number above 0, such as 1e-4".to_owned())
 }
 
+/// A finite number, 0 or above.
+pub(super) fn bound(text: &str) -> Result<f64, String> {
+    finite(text)
+        .ok()
+        .filter(|&number| number >= 0.0)
+        .ok_or_else(|| "give a number from 0 up, such as 0.01".to_owned())
+}
+
 /// Stops of exposure: beyond ±60 every picture is black or white.
 pub(super) fn exposure(text: &str) -> Result<f64, String> {
     let stops = finite(text).ok().filter(|stops| stops.abs() <= 60.0);
@@ -158,6 +166,7 @@ mod tests {
         );
         assert!(["0s", "90", "-5s", "soon", ""].iter().all(|s| duration(s).is_err()));
         assert!(["0", "-1e-3", "nan", "inf", "x"].iter().all(|s| positive(s).is_err()));
+        assert!(bound("0") == Ok(0.0) && ["-1e-3", "nan", "inf", "x"].iter().all(|s| bound(s).is_err()));
         assert!(["0", "-1", "4294967296", "1.5"].iter().all(|s| count(s).is_err()));
         assert!(["nan", "1e9", "-61"].iter().all(|s| exposure(s).is_err()));
         assert!(["out", "out.png", ".exr", "out.exr/", ""].iter().all(|s| exr(OsStr::new(s)).is_err()));

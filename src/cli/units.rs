@@ -21,6 +21,16 @@ pub(super) fn decimal(number: f64) -> String {
     format!("{value:.digits$}{prefix}")
 }
 
+/// Four significant digits, with an exponent where the number is very small or large.
+pub(super) fn significant(number: f64) -> String {
+    let exponent = number.abs().log10().floor();
+    match exponent {
+        _ if number == 0.0 => "0".to_owned(),
+        -3.0..6.0 => format!("{number:.0$}", (3.0 - exponent).max(0.0) as usize),
+        _ => format!("{number:.3e}"),
+    }
+}
+
 /// `1 sphere`, `2 spheres`.
 pub(super) fn plural(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
@@ -42,6 +52,22 @@ mod tests {
         ];
         for (number, expected) in cases {
             assert_eq!(decimal(number), expected);
+        }
+    }
+
+    #[test]
+    fn significant_digits_are_four() {
+        let cases = [
+            (0.0, "0"),
+            (0.001, "0.001000"),
+            (-0.123_456, "-0.1235"),
+            (12.0, "12.00"),
+            (123_456.0, "123456"),
+            (9.999e-4, "9.999e-4"),
+            (1e7, "1.000e7"),
+        ];
+        for (number, expected) in cases {
+            assert_eq!(significant(number), expected);
         }
     }
 }

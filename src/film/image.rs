@@ -75,7 +75,7 @@ impl Image {
     }
 
     /// Whether the data window is a part of the picture and every plane fills it.
-    pub(super) fn is_consistent(&self) -> bool {
+    pub fn is_consistent(&self) -> bool {
         let fits = |start: usize, size: usize, whole: usize| size > 0 && start + size <= whole;
         fits(self.origin.0, self.size.0, self.width)
             && fits(self.origin.1, self.size.1, self.height)

@@ -16,29 +16,40 @@ use super::tone::to_srgb8;
 /// # Errors
 /// What `out` reports, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.
 pub fn write_png(image: &Image, exposure: f64, out: impl Write) -> io::Result<()> {
-    let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
     let (Some(red), Some(green), Some(blue)) = (image.plane("R"), image.plane("G"), image.plane("B")) else {
         return Err(invalid("the picture has no colour channels"));
-    };
-    let (Ok(width), Ok(height)) = (u32::try_from(image.size.0), u32::try_from(image.size.1)) else {
-        return Err(invalid("the picture is too large for a PNG"));
     };
     if !image.is_consistent() {
         return Err(invalid("the planes do not fill the data window"));
     }
     let gain = exposure.exp2() as f32;
-    let pixels: Vec<u8> = red
-        .iter()
-        .zip(green)
-        .zip(blue)
-        .flat_map(|((&r, &g), &b)| to_srgb8(Vec3::new(r, g, b), gain))
-        .collect();
-    PngEncoder::new(out).write_image(&pixels, width, height, ExtendedColorType::Rgb8).map_err(|error| {
+    let pixels: Vec<[u8; 3]> =
+        red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| to_srgb8(Vec3::new(r, g, b), gain)).collect();
+    write_rgb8(&pixels, image.size, out)
+}
+
+/// Writes `pixels`, 8-bit sRGB row by row, of a picture of `size` as they are.
+///
+/// # Errors
+/// What `out` reports, and [`io::ErrorKind::InvalidData`] if `pixels` do not fill `size` or are too many for a PNG.
+pub fn write_rgb8(pixels: &[[u8; 3]], size: (usize, usize), out: impl Write) -> io::Result<()> {
+    let (Ok(width), Ok(height)) = (u32::try_from(size.0), u32::try_from(size.1)) else {
+        return Err(invalid("the picture is too large for a PNG"));
+    };
+    if pixels.len() != size.0 * size.1 {
+        return Err(invalid("the pixels do not fill the picture"));
+    }
+    let encoder = PngEncoder::new(out);
+    encoder.write_image(pixels.as_flattened(), width, height, ExtendedColorType::Rgb8).map_err(|error| {
         match error {
             ImageError::IoError(error) => error,
             other => io::Error::other(other),
         }
     })
+}
+
+fn invalid(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what.to_owned())
 }
 
 #[cfg(test)]

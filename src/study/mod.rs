@@ -1,0 +1,4 @@
+//! What can be learnt from finished pictures and rays.
+
+pub mod compare;
+pub mod noise;
