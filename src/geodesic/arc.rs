@@ -54,7 +54,11 @@ impl Arc {
         let (middle, end) = (self.w * ((self.p1 - self.p0).dot(chord) - target), chord.dot(chord) - target);
         // −target (1−s)² + 2 middle s(1−s) + end s² = 0.
         let root = (middle * middle + target * end).max(0.0).sqrt();
-        let s = if middle >= 0.0 { target / (target + middle + root) } else { (root - middle) / (root - middle + end) };
+        let s = if middle >= 0.0 {
+            target / (target + middle + root)
+        } else {
+            (root - middle) / (root - middle + end)
+        };
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
     }
 
@@ -103,6 +107,15 @@ pub struct PlaneArc<R> {
     pub weight: R,
     /// Estimated distance between the arc and the curve; infinite if the step turns too far to be one arc.
     pub error: R,
+}
+
+impl<R: Real> PlaneArc<R> {
+    /// The arc in space, for a step that starts at `start`, with unit vectors along the radius there and across it.
+    #[inline(always)]
+    pub fn placed(&self, start: DVec3, radial: DVec3, along: DVec3) -> Arc {
+        let place = |[x, y]: [R; 2]| start + x.value() * radial + y.value() * along;
+        Arc { p0: start, p1: place(self.middle), p2: place(self.end), w: self.weight.value() }
+    }
 }
 
 impl<R: Real> Step<R> {
@@ -159,7 +172,8 @@ pub fn fit_arc<R: Real>(step: &Step<R>) -> PlaneArc<R> {
     let length2 = x * x + y * y;
     let conic_error = R::of(0.009) * mismatch * length2;
     // The cubic part s(1−s)(1−2s)/2 of the Hermite interpolant is at most 0.0481.
-    let parabola_error = R::of(0.0481) * (at_start - at_end).abs() + if bent { R::of(f64::INFINITY) } else { zero };
+    let parabola_error =
+        R::of(0.0481) * (at_start - at_end).abs() + if bent { R::of(f64::INFINITY) } else { zero };
     // Both are computed and one is chosen, so that lanes can run side by side.
     let pick = |a: R, b: R| if conic { a } else { b };
     // Half the chord, and to its right as far as the mean slope carries.

@@ -93,9 +93,8 @@ impl<R: Real> Control<R> {
         let own = if slow { step.embedded * step.h * self.rate(step.b, &step.start) } else { step.embedded };
         let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
         // The sum, unlike the larger, keeps the NaN of a step that left the chart, and NaN is never accepted.
-        let error = estimate / share
-            + step.strain * R::of(1.0 / LARGEST_STRAIN)
-            + arc_error / self.arc_tolerance;
+        let error =
+            estimate / share + step.strain * R::of(1.0 / LARGEST_STRAIN) + arc_error / self.arc_tolerance;
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
         // (e₋₁/e³)^(1/4p) with p rounded up to a power of two, which takes roots only.

@@ -78,8 +78,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         if inwards != (step.end.v > zero) {
             // The turning point first: the sphere may be crossed on either side of it.
             let b2 = b * b;
-            let turn =
-                cut(&|step| (step.end.v, (step.end.pull - b2 * step.end.w) * step.cos * step.cos));
+            let turn = cut(&|step| (step.end.v, (step.end.pull - b2 * step.end.w) * step.cos * step.cos));
             phase = take(&turn, &mut swept);
             phase.v = zero;
             if inwards {

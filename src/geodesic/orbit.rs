@@ -141,13 +141,7 @@ impl<R: Real> Phase<R> {
 impl<R: Real> Step<R> {
     /// One step of length `h` in ξ; shorter steps from the same start are its dense output, of the method's own order.
     #[inline(always)]
-    pub fn new<M: ConformallyFlat>(
-        medium: &M,
-        stepper: &impl Stepper,
-        b: R,
-        start: Phase<R>,
-        h: R,
-    ) -> Self {
+    pub fn new<M: ConformallyFlat>(medium: &M, stepper: &impl Stepper, b: R, start: Phase<R>, h: R) -> Self {
         let one = R::of(1.0);
         let b2 = b * b;
         let cosine = |xi: R| one / (one + b2 * xi * xi).sqrt();

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::columns::{Field, Row, columns};
 use super::march::March;
 use super::transport::{Found, Landing, Outcome, Transport};
-use crate::geodesic::{Arc, Control, End, Launch, Phase, Step};
+use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
 use crate::geometry::{Geometry, Line, PrimitiveId};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
@@ -125,13 +125,13 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     /// The step's arc, in world coordinates.
     #[inline(always)]
     fn arc(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Arc {
-        let p0 = flight.position + self.center;
-        Arc {
-            p0,
-            p1: p0 + flight.place(step.middle_x, step.middle_y),
-            p2: p0 + flight.place(step.end_x, step.end_y),
-            w: step.weight.value(),
-        }
+        let plane = PlaneArc {
+            middle: [step.middle_x, step.middle_y],
+            end: [step.end_x, step.end_y],
+            weight: step.weight,
+            error: R::of(0.0),
+        };
+        plane.placed(flight.position + self.center, flight.radial, flight.along)
     }
 
     fn may_meet(&self, arc: &Arc) -> bool {
@@ -193,8 +193,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         for _ in 0..4 {
             let (height, normal) = geometry.carrier(primitive, position);
             // |dx/dξ| = n c²/w².
-            let (b, w, v, c) =
-                (piece.b.value(), piece.end.w.value(), piece.end.v.value(), piece.cos.value());
+            let (b, w, v, c) = (piece.b.value(), piece.end.w.value(), piece.end.v.value(), piece.cos.value());
             let speed = flight.h.value() * v.hypot(b * w) * c * c / (w * w);
             let shift = height / (normal.dot(direction) * speed);
             s -= shift;

@@ -5,7 +5,8 @@ use super::columns::Row;
 use super::curved::{CurvedFlight, CurvedMove, Lane};
 use super::stages::advance::{Advance, advance_blocks};
 use crate::geodesic::{
-    Control, Dop853, Dopri5, End, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper, Verdict, fit_arc, follow,
+    Control, Dop853, Dopri5, End, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper, Verdict, fit_arc,
+    follow,
 };
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
