@@ -206,7 +206,9 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.arc_tolerance;
         let clear = near
             && geometry.covers(primitive, position)
-            && geometry.intersect(&Line { p0: point, p2: position }, primitive).is_none();
+            && geometry
+                .intersect(&Line { p0: point, p2: position }, primitive)
+                .is_none_or(|hit| hit.primitive == primitive);
         if !clear {
             direction = at(self.part(flight, step, point - self.center)).1;
             position = point;
