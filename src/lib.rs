@@ -27,7 +27,7 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
+//! `cli → film, study → plot, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
 #![warn(clippy::all)]
 
 pub mod asset;
@@ -36,9 +36,11 @@ pub mod film;
 pub mod geodesic;
 pub mod geometry;
 pub mod math;
+pub mod plot;
 pub mod scene;
 pub mod shade;
 pub mod spacetime;
+pub mod study;
 pub mod trace;
 
 /// The README, whose Rust blocks are tests.

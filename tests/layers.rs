@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → film, trace → scene → asset, shade, geometry → geodesic →
+/// Each folder with the others that it may use: cli → film, study → plot, trace → scene → asset, shade, geometry → geodesic →
 /// spacetime → math.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("math", &[]),
     ("spacetime", &["math"]),
     ("geodesic", &["spacetime", "math"]),
@@ -15,7 +15,9 @@ const ALLOWED: [(&str, &[&str]); 10] = [
     ("film", &["math"]),
     ("scene", &["asset", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("cli", &["trace", "scene", "film", "shade", "geometry"]),
+    ("plot", &[]),
+    ("study", &["trace", "scene", "plot", "geometry", "spacetime", "math"]),
+    ("cli", &["study", "trace", "scene", "film", "plot", "shade", "geometry"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -28,6 +28,8 @@ pub(super) enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a scene holds, and which stages a render of it runs and why
     Info(InfoArgs),
+    /// Draw a fan of rays past the hole, in a plane, with what the plane cuts
+    Rays(RaysArgs),
 }
 
 /// Arguments of `render`.
@@ -54,6 +56,31 @@ pub(super) struct InfoArgs {
     /// Print JSON
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// Arguments of `rays`.
+#[derive(Debug, Args)]
+pub(super) struct RaysArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Picture, or table of points, to write
+    #[arg(short, long, value_name = "FILE.svg|png|csv", value_parser = OsStringValueParser::new().try_map(|s| parse::rays(&s)))]
+    pub(super) output: PathBuf,
+    /// Number of rays
+    #[arg(long, value_name = "N", value_parser = parse::ray_count, default_value = "41", allow_hyphen_values = true)]
+    pub(super) count: u32,
+    /// Angle from the first ray to the last, degrees [default: the camera's horizontal field of view]
+    #[arg(long, value_name = "DEG", value_parser = parse::angle, allow_hyphen_values = true)]
+    pub(super) fan: Option<f64>,
+    /// Where the rays start; they then fan out towards the hole [default: the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::triple, allow_hyphen_values = true)]
+    pub(super) from: Option<[f64; 3]>,
+    /// Direction up from the plane of the rays, as far as the hole in the plane allows [default: the plane holds the
+    /// view direction]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::triple, allow_hyphen_values = true)]
+    pub(super) up: Option<[f64; 3]>,
+    #[command(flatten)]
+    pub(super) accuracy: AccuracyArgs,
 }
 
 /// Which scene, and what is changed in it.
@@ -98,18 +125,8 @@ pub(super) struct SettingArgs {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
     size: Option<(usize, usize)>,
-    /// Preset of --tolerance and --arc-tolerance
-    #[arg(long, value_enum, value_name = "PRESET")]
-    quality: Option<Quality>,
-    /// How rays are advanced through curved space
-    #[arg(long, value_enum, value_name = "NAME")]
-    stepper: Option<StepperKind>,
-    /// Largest estimated error of a step's direction, radians
-    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
-    tolerance: Option<f64>,
-    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
-    arc_tolerance: Option<f64>,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
     /// Order in which the kernels run; the picture is the same
     #[arg(long, value_enum, value_name = "NAME")]
     schedule: Option<Schedule>,
@@ -130,22 +147,48 @@ pub(super) struct SettingArgs {
     sampler: Option<SamplerKind>,
 }
 
-impl SettingArgs {
+/// How rays are integrated.
+#[derive(Debug, Default, Args)]
+pub(super) struct AccuracyArgs {
+    /// Preset of --tolerance and --arc-tolerance
+    #[arg(long, value_enum, value_name = "PRESET")]
+    quality: Option<Quality>,
+    /// How rays are advanced through curved space
+    #[arg(long, value_enum, value_name = "NAME")]
+    stepper: Option<StepperKind>,
+    /// Largest estimated error of a step's direction, radians
+    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    arc_tolerance: Option<f64>,
+}
+
+/// Puts a flag, if given, over a setting.
+fn set<T: Copy>(flag: Option<T>, value: &mut T) {
+    *value = flag.unwrap_or(*value);
+}
+
+impl AccuracyArgs {
     /// Puts the preset, then the single flags, over what the scene file says.
     pub(super) fn apply(&self, settings: &mut Settings) {
-        fn set<T: Copy>(flag: Option<T>, value: &mut T) {
-            *value = flag.unwrap_or(*value);
-        }
         if let Some(quality) = self.quality {
             quality.apply(settings);
         }
+        settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
+        set(self.stepper, &mut settings.stepper);
+        set(self.tolerance, &mut settings.tolerance);
+    }
+}
+
+impl SettingArgs {
+    /// Puts the flags over what the scene file says.
+    pub(super) fn apply(&self, settings: &mut Settings) {
+        self.accuracy.apply(settings);
         if let Some((width, height)) = self.size {
             (settings.width, settings.height) = (width, height);
         }
-        settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
         set(self.spp, &mut settings.spp);
-        set(self.stepper, &mut settings.stepper);
-        set(self.tolerance, &mut settings.tolerance);
         set(self.schedule, &mut settings.schedule);
         set(self.max_depth, &mut settings.max_depth);
         set(self.seed, &mut settings.seed);

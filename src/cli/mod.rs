@@ -10,6 +10,7 @@ mod outputs;
 mod parse;
 mod progress;
 mod quality;
+mod rays;
 mod render;
 mod stages;
 mod summary;
@@ -46,6 +47,7 @@ pub fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
+        Command::Rays(args) => rays::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

@@ -220,6 +220,10 @@ impl<M: ConformallyFlat, S: Stepper> Transport for Curved<M, S> {
         }
     }
 
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {
+        step.accepted.then(|| self.arc(flight, step))
+    }
+
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         if !step.accepted {
             return 0.0;

@@ -14,6 +14,7 @@ pub mod stages;
 mod stats;
 mod straight;
 mod tile;
+mod trail;
 pub mod transport;
 mod wavefront;
 mod work;
@@ -37,6 +38,7 @@ pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
+pub use trail::{Trail, trails};
 use transport::{Errand, Transport};
 use wavefront::Wavefront;
 use work::Job;
@@ -103,6 +105,11 @@ pub fn render(
 
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
 fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
+    with_transport_to(scene, f64::INFINITY, errand)
+}
+
+/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not.
+fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Output {
     let settings = &scene.settings;
     let (center, r_s) = match scene.spacetime {
         SpacetimeKind::Flat => return errand.run(&Straight::new(scene.geometry.bounds())),
@@ -110,7 +117,7 @@ fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     };
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    let chart = Chart::new(&medium, nearest, farthest, TAIL * settings.tolerance);
+    let chart = Chart::new(&medium, nearest.min(core), farthest, TAIL * settings.tolerance);
     let hole = Hole { medium, center, chart };
     match settings.stepper {
         StepperKind::Rk4Paper => errand.run(&PaperMarch { medium, center, chart }),
