@@ -30,6 +30,8 @@ pub(super) enum Command {
     Info(InfoArgs),
     /// Draw a fan of rays past the hole, in a plane, with what the plane cuts
     Rays(RaysArgs),
+    /// Measure errors and speed of steppers and tolerances on a scene
+    Study(StudyArgs),
 }
 
 /// Arguments of `render`.
@@ -81,6 +83,47 @@ pub(super) struct RaysArgs {
     pub(super) up: Option<[f64; 3]>,
     #[command(flatten)]
     pub(super) accuracy: AccuracyArgs,
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+pub(super) struct StudyArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
+    #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
+    pub(super) output: PathBuf,
+    /// Steppers, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    pub(super) steppers: Vec<StepperKind>,
+    /// Tolerances, separated by commas
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::positive,
+        value_delimiter = ',',
+        default_value = "1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8",
+        allow_hyphen_values = true
+    )]
+    pub(super) tolerances: Vec<f64>,
+    /// Schedules, separated by commas [default: the scene's]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    pub(super) schedules: Vec<Schedule>,
+    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    pub(super) arc_tolerance: Option<f64>,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true)]
+    pub(super) size: (usize, usize),
+    /// Samples per pixel where the speed of whole paths is measured
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true)]
+    pub(super) spp: u32,
+    /// Times that each setting's speed is measured, all settings in turn; medians count
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "3", allow_hyphen_values = true)]
+    pub(super) rounds: u32,
+    /// Worker threads; 0 means one per core
+    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
+    pub(super) threads: usize,
 }
 
 /// Which scene, and what is changed in it.

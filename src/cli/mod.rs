@@ -13,6 +13,7 @@ mod quality;
 mod rays;
 mod render;
 mod stages;
+mod study;
 mod summary;
 mod units;
 
@@ -48,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Rays(args) => rays::run(args),
+        Command::Study(args) => study::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

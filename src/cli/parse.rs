@@ -10,6 +10,9 @@ use std::time::Duration;
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
 
+/// Most pixels of a picture whose rays are all kept in memory: a few GB.
+const MAX_KEPT: usize = 1 << 24;
+
 /// A whole number in `range`.
 fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
     let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
@@ -78,6 +81,16 @@ pub(super) fn angle(text: &str) -> Result<f64, String> {
     angle.ok_or_else(|| "give an angle above 0 and up to 360, in degrees".to_owned())
 }
 
+/// `WxH` in pixels of a picture whose rays are all kept in memory.
+pub(super) fn small_size(text: &str) -> Result<(usize, usize), String> {
+    let small = size(text)?;
+    if small.0 * small.1 <= MAX_KEPT {
+        Ok(small)
+    } else {
+        Err(format!("give at most {MAX_KEPT} pixels in all"))
+    }
+}
+
 /// Numbers `A,B,…`, as many as asked for.
 fn numbers<T, const N: usize>(text: &str, number: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
     let numbers: Option<Vec<T>> = text.split(',').map(|part| number(part.trim())).collect();
@@ -137,6 +150,17 @@ pub(super) fn png(text: &OsStr) -> Result<PathBuf, String> {
 /// A file name that ends in `.json`.
 pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
     with_extension(text, &["json"])
+}
+
+/// What file names begin with.
+pub(super) fn prefix(text: &OsStr) -> Result<PathBuf, String> {
+    let named =
+        Path::new(text).file_name().is_some() && !text.to_string_lossy().ends_with(std::path::is_separator);
+    if named {
+        Ok(text.into())
+    } else {
+        Err("give the name that the files begin with, such as study".to_owned())
+    }
 }
 
 /// A file name of a picture or a table of rays.
