@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::args::RaysArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::units::plural;
 use super::{Outcome, say};
 use crate::film::atomic::Output;
 use crate::plot::Format;
@@ -34,7 +35,8 @@ pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
         None => output.commit(|out| fan.write_csv(out))?,
     }
     let fates: Vec<String> = fan.fates().into_iter().map(|(fate, count)| format!("{count} {fate}")).collect();
-    say(format!("{} rays: {}; wrote {}", args.count, fates.join(", "), args.output.display()));
+    let rays = plural(args.count as usize, "ray", "rays");
+    say(format!("{rays}: {}; wrote {}", fates.join(", "), args.output.display()));
     Ok(Outcome::Good)
 }
 

@@ -29,6 +29,8 @@ pub(super) struct Tick {
 
 /// Least distance of labelled ticks on a linear axis, points.
 const APART: f64 = 70.0;
+/// Least distance of labelled decades, points.
+const DECADES_APART: f64 = 46.0;
 /// Decades from which on only powers of ten are labelled.
 const MANY_DECADES: f64 = 2.0;
 /// Room beyond the first and last value of an axis around values, relative to the whole.
@@ -67,7 +69,7 @@ impl Axis {
     pub(super) fn ticks(&self, length: f64) -> Vec<Tick> {
         match self.scale {
             Scale::Linear => self.linear_ticks(length),
-            Scale::Log => self.log_ticks(),
+            Scale::Log => self.log_ticks(length),
         }
     }
 
@@ -90,14 +92,17 @@ impl Axis {
             .collect()
     }
 
-    fn log_ticks(&self) -> Vec<Tick> {
+    fn log_ticks(&self, length: f64) -> Vec<Tick> {
         let [first, last] = self.range;
+        let decades = (last / first).log10();
+        let stride = (decades * DECADES_APART / length).ceil().max(1.0) as i32;
         let exponents = first.log10().floor() as i32..=last.log10().floor() as i32;
-        let many = (last / first).log10() >= MANY_DECADES;
-        let digits = exponents.flat_map(|exponent| (1..10).map(move |digit| (digit, exponent)));
-        digits
+        let digits = if stride > 1 { 1..2 } else { 1..10 };
+        exponents
+            .flat_map(|exponent| digits.clone().map(move |digit| (digit, exponent)))
             .map(|(digit, exponent)| {
-                let labelled = digit == 1 || (!many && (digit == 2 || digit == 5));
+                let between = decades < MANY_DECADES && (digit == 2 || digit == 5);
+                let labelled = between || (digit == 1 && exponent % stride == 0);
                 let label = labelled.then(|| log_label(digit, exponent));
                 Tick { value: f64::from(digit) * 10f64.powi(exponent), label }
             })
@@ -141,6 +146,13 @@ mod tests {
     fn less_than_two_decades_are_labelled_in_between() {
         let axis = Axis { label: String::new(), scale: Scale::Log, range: [150.0, 900.0] };
         assert_eq!(labels(&axis), ["2·10²", "5·10²"]);
+    }
+
+    #[test]
+    fn many_decades_are_labelled_with_gaps() {
+        let axis = Axis { label: String::new(), scale: Scale::Log, range: [1e-12, 1e1] };
+        assert_eq!(labels(&axis), ["10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰"]);
+        assert_eq!(axis.ticks(400.0).len(), 14);
     }
 
     #[test]
