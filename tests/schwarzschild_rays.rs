@@ -127,7 +127,8 @@ fn fault(
         (Outcome::Captured, None) => None,
         (Outcome::Landed(landing), Some((position, direction))) => {
             // Across the ray: along it, what is met decides, and a mesh has the rounding of its file.
-            let off = (landing.position - setup.center(case) - position).reject_from_normalized(direction).length();
+            let off =
+                (landing.position - setup.center(case) - position).reject_from_normalized(direction).length();
             let turned =
                 landing.direction.angle_between(direction).min(landing.direction.distance(direction));
             let share = (off / setup.end_distance(case)).max(turned / setup.end_angle(case));
@@ -219,7 +220,8 @@ fn every_ray_that_comes_out_meets_a_quad_of_triangles_across_its_way() {
 
 #[test]
 fn every_ray_that_comes_out_meets_a_quad_around_a_hole_elsewhere() {
-    check_quads(Setup { center: ELSEWHERE, ..REFERENCE });
+    // The quad's own vertices are in 32 bits, which turns rays that end close to the hole.
+    check_quads(Setup { center: ELSEWHERE, tolerance: 1e-9, ..REFERENCE });
 }
 
 /// Deflection of a ray of impact parameter `b` in units of r_s that comes from `distance`.

@@ -6,7 +6,7 @@ use super::columns::{Field, Row, columns};
 use super::march::March;
 use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
-use crate::geometry::{Geometry, Line, PrimitiveId};
+use crate::geometry::{Geometry, Line, PrimitiveId, Segment};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
 
@@ -204,16 +204,30 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             }
         }
         let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.arc_tolerance;
-        let clear = near
-            && geometry.covers(primitive, position)
-            && geometry
-                .intersect(&Line { p0: point, p2: position }, primitive)
-                .is_none_or(|hit| hit.primitive == primitive);
-        if !clear {
-            direction = at(self.part(flight, step, point - self.center)).1;
-            position = point;
+        let direction = direction.normalize();
+        let moved = position.distance(point);
+        if (0.0..=1.0).contains(&s) && moved <= 8.0 * self.arc_tolerance {
+            // Both ends lie on the primitive's carrier: what shares that cannot stand between them.
+            let shares_carrier = |other: PrimitiveId| {
+                let (normal, beside) =
+                    (geometry.carrier(primitive, point).1, geometry.carrier(other, point).1);
+                normal.cross(beside).length_squared() < 1e-18
+            };
+            let between = geometry.intersect(&Line { p0: point, p2: position }, primitive);
+            if geometry.covers(primitive, position) && between.is_none_or(|hit| shares_carrier(hit.primitive)) {
+                return Landing { position, direction, primitive };
+            }
+            // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
+            let reach = 2.0 * moved * direction;
+            if moved < 0.1 * position.distance(flight.position + self.center) {
+                let tangent = Line { p0: position - reach, p2: position + reach };
+                if let Some(hit) = geometry.intersect(&tangent, PrimitiveId::NONE) {
+                    return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+                }
+            }
         }
-        Landing { position, direction: direction.normalize(), primitive }
+        let direction = at(self.part(flight, step, point - self.center)).1.normalize();
+        Landing { position: point, direction, primitive }
     }
 
     /// The direction at infinity of a ray that meets nothing more.
@@ -349,6 +363,10 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             };
         }
         Outcome::Flying(next)
+    }
+
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {
+        step.accepted.then(|| self.arc(flight, step))
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
