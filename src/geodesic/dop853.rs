@@ -237,9 +237,9 @@ impl Stepper for Dop853 {
 
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
-        let (position, velocities, forces) = TABLEAU.stages(force, start, h);
+        let (gain, velocities, forces) = TABLEAU.stages(force, start, h);
         Trial {
-            position,
+            gain,
             velocity: velocities[12],
             position_error: h * combined(&velocities),
             velocity_error: h * combined(&forces),

@@ -23,16 +23,16 @@ impl Stepper for Leapfrog4 {
     /// its error.
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
-        let (mut position, mut velocity, mut kick, mut done) = (w, v, f, 0.0);
+        let (mut gain, mut velocity, mut kick, mut done) = (R::of(0.0), v, f, 0.0);
         for length in LENGTHS {
             let half = R::of(0.5 * length) * h;
             velocity = velocity + half * kick;
-            position = position + R::of(length) * h * velocity;
+            gain = gain + R::of(length) * h * velocity;
             done += length;
-            kick = force(R::of(done) * h, position);
+            kick = force(R::of(done) * h, w + gain);
             velocity = velocity + half * kick;
         }
         let none = R::of(0.0);
-        Trial { position, velocity, position_error: none, velocity_error: none }
+        Trial { gain, velocity, position_error: none, velocity_error: none }
     }
 }

@@ -136,6 +136,7 @@ struct Place<M> {
 impl<M: ConformallyFlat + 'static> Place<M> {
     fn curved<R: Lane>(&self, scene: &Baked) -> Curved<M, R> {
         let arc_tolerance = scene.arc_tolerance();
+        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         Curved {
             medium: self.medium,
@@ -145,11 +146,14 @@ impl<M: ConformallyFlat + 'static> Place<M> {
             center: self.center,
             chart: self.chart,
             longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
-            bounds: scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY)),
+            longest_chord: CHORD * low.distance(high),
+            bounds: (low, high),
         }
     }
 }
 
+/// Longest chord of a searched arc, relative to the diagonal of the geometry.
+const CHORD: f64 = 8.0;
 /// Largest sagitta of a searched arc, relative to the median primitive.
 const SAGITTA: f64 = 0.25;
 
