@@ -114,20 +114,17 @@ impl<R: Real> Control<R> {
     #[inline(always)]
     pub fn is_stuck(&self, h: R, b: R, phase: &Phase<R>) -> bool {
         let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
-        // Not so for NaN, which nothing sets free.
-        !(h * n > R::of(STUCK * R::EPSILON) * phase.w)
+        h * n <= R::of(STUCK * R::EPSILON) * phase.w || h.value().is_nan()
     }
 
     /// The way on for a ray that is stuck beside the circular ray: so close to it that rounding has taken it to the
     /// wrong branch, it turns if it must not cross the photon sphere, and crosses if it must not turn.
     pub fn set_free<M: ConformallyFlat>(&self, medium: &M, b: R, phase: &Phase<R>) -> Option<Phase<R>> {
         let away = self.photon_sphere - phase.w;
-        if !(away.abs() < R::of(BESIDE * R::EPSILON.sqrt()) * self.photon_sphere) {
-            return None;
-        }
+        let beside = away.abs() < R::of(BESIDE * R::EPSILON.sqrt()) * self.photon_sphere;
         let (w, v) =
             if b > self.critical { (phase.w, R::of(0.0)) } else { (self.photon_sphere + away, phase.v) };
-        Some(Phase::new(medium, w, v))
+        beside.then(|| Phase::new(medium, w, v))
     }
 
     /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.
