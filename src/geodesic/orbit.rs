@@ -79,6 +79,9 @@ pub struct Step<R> {
     /// What a step must keep small beside 1 to make sense at all: the estimated error of w′ relative to n, and how far
     /// the constraint is from being linear over what was undone.
     pub strain: R,
+    /// How far an error moves the ray along its orbit, squared, in units of the error itself: large close to the circular
+    /// ray, where everything but the angle moves slowly.
+    pub leverage: R,
 }
 
 /// Rounding of w′² + b² w² − n², relative to n² and to that of one operation.
@@ -174,6 +177,7 @@ impl<R: Real> Step<R> {
             undone: known * angle(across_w, across_v),
             drift: excess.abs() / n2,
             strain: known * scale * n2 + v_error.abs() / n,
+            leverage: (scale + scale) * n2 * n2,
         }
     }
 }
