@@ -45,6 +45,8 @@ const SWEEP: f64 = 3.5;
 const LEAST_SWEEP: f64 = 0.02;
 /// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the chart.
 const LARGEST_STRAIN: f64 = 0.02;
+/// Largest error of a step along its orbit, radians: close to the circular ray a larger one could hold the ray there.
+const LARGEST_SLIP: f64 = 0.02;
 /// Largest tangent of the angle that a step sweeps.
 const LARGEST_TANGENT: f64 = 3.0;
 /// Longest way of a step towards the horizon, relative to what is left.
@@ -93,13 +95,15 @@ impl<R: Real> Control<R> {
     /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
     #[inline(always)]
     pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> Verdict<R> {
-        let Estimate { embedded, slow, undone, .. } = S::ESTIMATE;
+        let Estimate { embedded, undone, .. } = S::ESTIMATE;
         let share = (step.sin + R::of(LEAST_SWEEP)) * self.tolerance * R::of(1.0 / SWEEP);
-        let own = if slow { step.embedded * step.h * self.rate(step.b, &step.start) } else { step.embedded };
+        let own = step.embedded * step.h * self.rate(step.b, &step.start);
         let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
         // The sum, unlike the larger, keeps the NaN of a step that left the chart, and NaN is never accepted.
-        let error =
-            estimate / share + step.strain * R::of(1.0 / LARGEST_STRAIN) + arc_error / self.arc_tolerance;
+        let error = estimate / share
+            + estimate * estimate * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
+            + step.strain * R::of(1.0 / LARGEST_STRAIN)
+            + arc_error / self.arc_tolerance;
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
         // (e₋₁/e³)^(1/4p) with p rounded up to a power of two, which takes roots only.

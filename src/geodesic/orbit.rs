@@ -78,12 +78,19 @@ pub struct Step<R> {
     pub undone: R,
     /// Relative violation of w′² + b² w² = n² before it was undone.
     pub drift: R,
-    /// What a step must keep small beside 1 to make sense at all: the estimated error of w′ relative to n, and how far
-    /// the constraint is from being linear over what was undone.
+    /// What a step must keep small beside 1 to make sense at all: the estimated error of w′ relative to n, the drift, and
+    /// how far the constraint is from being linear over what was undone.
     pub strain: R,
+    /// How far an error moves the ray along its orbit, squared, in units of the error itself: large close to the circular
+    /// ray, where everything but the angle moves slowly.
+    pub leverage: R,
 }
 
-/// Rounding of w′² + b² w² − n², relative to n² and to that of one operation.
+/// How close to the critical one an impact parameter may be, in roundings and relative: closer, rounding would decide
+/// where the ray turns.
+const CLOSEST: f64 = 64.0;
+
+/// Rounding of w′² + b² w² − n², relative to the terms and to that of one operation.
 const ROUNDING: f64 = 16.0;
 
 impl Launch {
@@ -91,12 +98,12 @@ impl Launch {
     /// length.
     ///
     /// The impact parameter is good to the last digits even for a ray from far away that is aimed at the centre.
-    /// `epsilon` is the rounding of the numbers that the ray will be followed in: b keeps that far from the critical
-    /// one, so that rounding does not change a fate.
+    /// `epsilon` is the rounding of the numbers that the ray will be followed in: b keeps some of that away from the
+    /// critical one, so that rounding does not change a fate.
     pub fn new<M: ConformallyFlat>(medium: &M, x: DVec3, d: DVec3, epsilon: f64) -> Self {
         let (rho, length) = (x.length(), d.length());
         let radial = x / rho;
-        let spin = exact::cross(x / rho, d / length);
+        let spin = exact::cross(x, d) / (rho * length);
         let sine = spin.length();
         let along = if sine > 0.0 { (spin / sine).cross(radial) } else { frame::tangents(radial).0 };
         let w = 1.0 / rho;
@@ -106,16 +113,8 @@ impl Launch {
         let fate = Fate::of(medium, rho, b, cosine > 0.0);
         // A ray through the centre of a medium without a horizon passes it at a distance that no number can resolve.
         let smallest = if medium.horizon() > 0.0 { 0.0 } else { 1e-30 * rho };
-        let critical = medium.critical_impact_parameter();
-        let (below, above) = (critical * (1.0 - 4.0 * epsilon), critical * (1.0 + 4.0 * epsilon));
-        let b = if b < below || b > above {
-            b
-        } else if b < critical {
-            below
-        } else {
-            above
-        };
-        Self { radial, along, b: b.max(smallest), w, v: -n * cosine, fate }
+        let (b, v) = apart(medium, (b.max(smallest), w, -n * cosine), fate, CLOSEST * epsilon);
+        Self { radial, along, b, w, v, fate }
     }
 
     /// Position, relative to the centre, at the inverse radius `w` and the angle `swept` from the start.
@@ -131,6 +130,25 @@ impl Launch {
             self.radial * (outwards * cos - across * sin) + self.along * (outwards * sin + across * cos);
         direction.normalize()
     }
+}
+
+/// Impact parameter b and rate v of a ray that is `closest` or farther from the critical impact parameter, relative to
+/// it, and meets the same fate.
+fn apart<M: ConformallyFlat>(medium: &M, (b, w, v): (f64, f64, f64), fate: Fate, closest: f64) -> (f64, f64) {
+    let critical = medium.critical_impact_parameter();
+    if (b - critical).abs() >= closest * critical {
+        return (b, v);
+    }
+    let n2 = medium.index_squared(w);
+    let rate = |b: f64| n2 - (b * w) * (b * w);
+    // A ray that goes where it ends is as well one that does not turn; one that turns first has to be outside the gap
+    // that b leaves around the photon sphere.
+    let (below, above) = (critical * (1.0 - closest), critical * (1.0 + closest));
+    let escapes = fate == Fate::Escapes;
+    let turns = (v < 0.0) != escapes && rate(above) > closest * n2;
+    let b = if turns { above } else { below };
+    let inwards = if turns { escapes } else { !escapes };
+    (b, if inwards { rate(b).sqrt() } else { -rate(b).sqrt() })
 }
 
 impl<R: Real> Phase<R> {
@@ -164,9 +182,10 @@ impl<R: Real> Step<R> {
         let n = n2.sqrt();
         let angle = |w_error: R, v_error: R| b * (w_error.abs() * n + v_error.abs() * w.abs()) / n2;
         let v_error = trial.velocity_error / c;
-        // What may be rounding is let be: near the circular ray, where both slopes vanish, it would look like an error,
-        // and far from the centre undoing it would move the ray about.
-        let known = (excess.abs() - R::of(ROUNDING * R::EPSILON) * n2).at_least(R::of(0.0));
+        // What may be rounding counts neither as an error, which it would look like near the circular ray, where both slopes
+        // vanish, nor as a way, which would move rays about far from the centre. Near the horizon it is that of w.
+        let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
+        let known = (excess.abs() - rounding).at_least(R::of(0.0));
         let undo = if excess > R::of(0.0) { known } else { -known };
         let sin = b * h * c;
         // 1 − cos = sin²/(1 + cos).
@@ -175,14 +194,15 @@ impl<R: Real> Step<R> {
             b,
             start,
             gain,
-            end: Phase { w: w - undo * across_w, v: v - undo * across_v, pull },
+            end: Phase { w: w - excess * across_w, v: v - excess * across_v, pull },
             h,
             cos: c,
             sin,
             embedded: angle(trial.position_error * c, v_error),
             undone: known * angle(across_w, across_v),
             drift: excess.abs() / n2,
-            strain: known * scale * n2 + v_error.abs() / n,
+            strain: known * (scale * n2 + one / n2) + v_error.abs() / n,
+            leverage: (scale + scale) * n2 * n2,
         }
     }
 }
