@@ -14,6 +14,7 @@ mod quality;
 mod render;
 mod stages;
 mod summary;
+mod trace;
 mod units;
 
 use std::fmt::Display;
@@ -50,6 +51,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Trace(args) => trace::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

@@ -1,4 +1,5 @@
 //! What can be learnt from finished pictures and rays.
 
 pub mod compare;
+pub mod free;
 pub mod noise;
