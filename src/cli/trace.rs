@@ -148,19 +148,20 @@ impl Job {
                 Err(failure) => return Ok(Err(failure)),
             };
             let columns = &table.columns;
-            let follow = || rows.par_iter().map(|row| columns.follow(row, &self.accuracy)).collect();
-            let ends: Vec<Result<Exit, Failure>> = match &self.pool {
+            let end = |row| columns.follow(row, &self.accuracy).map(|exit| (exit.status, results(&exit)));
+            let follow = || rows.par_iter().map(end).collect();
+            let ends: Vec<Result<_, Failure>> = match &self.pool {
                 Some(pool) => pool.install(follow),
                 None => follow(),
             };
             for (row, end) in rows.iter().zip(ends) {
-                let exit = match end {
-                    Ok(exit) => exit,
+                let (status, results) = match end {
+                    Ok(end) => end,
                     Err(failure) => return Ok(Err(failure)),
                 };
                 columns.inputs(row).try_for_each(|cell| writer.write_field(cell))?;
-                writer.write_record(results(&exit))?;
-                tally.count(exit.status);
+                writer.write_record(results)?;
+                tally.count(status);
             }
             bar.update(Progress { done: table.reader.position().byte(), total: table.size });
         }

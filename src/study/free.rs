@@ -153,7 +153,9 @@ pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Re
             if schwarzschild_radius == 0.0 {
                 return straight(x, center, ray);
             }
-            lengths.check(Input::SchwarzschildRadius, "the Schwarzschild radius", schwarzschild_radius)?;
+            lengths
+                .check(Input::SchwarzschildRadius, "the Schwarzschild radius", schwarzschild_radius)
+                .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })?;
             curved(&Schwarzschild::new(schwarzschild_radius), x, center, ray, accuracy)
         }
     }
