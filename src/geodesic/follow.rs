@@ -68,13 +68,9 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         let step = Step::new(medium, stepper, b, phase, R::of(h.value()));
         let verdict = control.judge::<S>(&step, zero, previous);
         if !verdict.accepted {
-            if control.is_stuck(verdict.next_h, b, &phase) {
-                let Some(free) = control.set_free(medium, b, &phase) else {
-                    return Journey { end: End::NonFinite, ..journey };
-                };
-                phase = free;
-                h = control.first_step::<M, S>(medium, b, &phase);
-                continue;
+            // A step that has vanished, or a state that is no longer finite.
+            if verdict.next_h.value() < f64::from(f32::MIN_POSITIVE) || !phase.w.value().is_finite() {
+                return Journey { end: End::NonFinite, ..journey };
             }
             h = verdict.next_h;
             continue;

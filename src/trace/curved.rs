@@ -337,17 +337,10 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             return Outcome::StepLimit;
         }
         if !step.accepted {
+            // The next step must be finite and not vanish; a state lost for good is reported.
             let shorter = CurvedFlight { h: step.next_h, steps, ..*flight };
-            if !self.control.is_stuck(step.next_h, flight.b, &flight.phase()) {
-                return Outcome::Flying(shorter);
-            }
-            return match self.control.set_free(&self.medium, flight.b, &flight.phase()) {
-                Some(phase) => {
-                    let h = self.within(self.march.first_step(flight.b, &phase), flight.b, &phase);
-                    Outcome::Flying(CurvedFlight { w: phase.w, v: phase.v, pull: phase.pull, h, ..shorter })
-                }
-                None => Outcome::NonFinite,
-            };
+            let moves = step.next_h.value() > f64::from(f32::MIN_POSITIVE);
+            return if moves { Outcome::Flying(shorter) } else { Outcome::NonFinite };
         }
         // In f64, so that the vectors stay orthonormal.
         let tangent = (flight.b * flight.h).value();
