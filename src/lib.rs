@@ -27,7 +27,7 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → study → film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
+//! `cli → study → plot, film, trace → scene → asset, shade, geometry → geodesic → spacetime → math`.
 #![warn(clippy::all)]
 
 pub mod asset;
@@ -36,6 +36,7 @@ pub mod film;
 pub mod geodesic;
 pub mod geometry;
 pub mod math;
+pub mod plot;
 pub mod scene;
 pub mod shade;
 pub mod spacetime;

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → study → film, trace → scene → asset, shade, geometry →
+/// Each folder with the others that it may use: cli → study → plot, film, trace → scene → asset, shade, geometry →
 /// geodesic → spacetime → math.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("math", &[]),
     ("spacetime", &["math"]),
     ("geodesic", &["spacetime", "math"]),
@@ -15,8 +15,9 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("film", &["math"]),
     ("scene", &["asset", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("study", &["trace", "scene", "film", "geometry", "geodesic", "spacetime", "math"]),
-    ("cli", &["study", "trace", "scene", "film", "shade", "geometry"]),
+    ("plot", &[]),
+    ("study", &["trace", "scene", "film", "plot", "geometry", "geodesic", "spacetime", "math"]),
+    ("cli", &["study", "trace", "scene", "film", "plot", "shade", "geometry"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -102,6 +102,57 @@ fn no_ray_leaves_the_cornell_box_whose_walls_are_spheres() {
     }
 }
 
+/// Rays from random places inside the bumpy room around a hole in all directions, at every preset's accuracy.
+fn rays_inside_a_fine_bumpy_room(triangles_per_side: usize, rays: usize) {
+    let room = bumpy_room(triangles_per_side, 10.0);
+    let settings =
+        [("rkn6", 1e-3, "f64"), ("rkn6", 1e-5, "f64"), ("dop853", 1e-10, "f64"), ("rkn6", 1e-5, "f32")];
+    for (index, (stepper, tolerance, precision)) in settings.into_iter().enumerate() {
+        let text = hole(DVec3::ZERO, 1.0)
+            + &format!(
+                "[render]\nstepper = \"{stepper}\"\ntolerance = {tolerance:?}\nprecision = \"{precision}\"\n"
+            )
+            + "arc_tolerance = 1e-3\n[environment]\ncolor = [1, 1, 1]\n"
+            + &material("wall", 0.0, 0.0)
+            + &common::mesh("room.obj", DVec3::ZERO, "wall");
+        let scene = scene_with(&text, &[("room.obj", &room)]);
+        let mut random = Random::new(index as u64);
+        let (mut hits, mut captured) = (0, 0);
+        for _ in 0..rays.div_ceil(CHUNK) {
+            let mut ray = || {
+                let position = random.between(0.3, 8.0) * random.direction();
+                Ray { position, direction: random.direction(), leaves: PrimitiveId::NONE }
+            };
+            let rays: Vec<Ray> = (0..CHUNK.min(rays)).map(|_| ray()).collect();
+            for (shot, ray) in shoot(&scene, &rays).iter().zip(&rays) {
+                match shot.end {
+                    Outcome::Landed(_) => hits += 1,
+                    Outcome::Captured => captured += 1,
+                    end => panic!("{stepper} at {tolerance:e} in {precision}: {ray:?} ends as {end:?}"),
+                }
+            }
+        }
+        println!(
+            "{stepper} at {tolerance:e} in {precision}: {hits} hit, {captured} captured, none escaped or lost"
+        );
+        assert!(hits > rays / 2 && captured > rays / 1000);
+    }
+}
+
+/// Rays followed at a time.
+const CHUNK: usize = 250_000;
+
+#[test]
+fn no_ray_from_inside_leaves_a_fine_bumpy_room_around_a_hole() {
+    rays_inside_a_fine_bumpy_room(60, CHUNK / 5);
+}
+
+#[test]
+#[ignore = "10^7 rays against 300 000 triangles at each of four settings take minutes"]
+fn no_ray_of_ten_million_leaves_a_bumpy_room_of_three_hundred_thousand_triangles() {
+    rays_inside_a_fine_bumpy_room(159, 10_000_000);
+}
+
 fn land(scene: &Baked, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Landing {
     let [shot] = shoot(scene, &[Ray { position, direction, leaves }])[..] else { panic!("one shot") };
     let Outcome::Landed(landing) = shot.end else { panic!("{shot:?} from {position} to {direction}") };

@@ -84,10 +84,10 @@ impl Setup {
         scene_with(&text, files)
     }
 
-    /// Largest error that the start's direction may have, as the sum of the steps' errors and of rounding.
+    /// Largest error of the ray, as one of the direction at its start: the tolerance, and rounding.
     fn angle(&self, case: &Case) -> f64 {
         let rounding = 1e-15 * (1.0 + self.center(case).length() / case.start.length().min(case.unit()));
-        STEPS * self.tolerance + rounding
+        self.tolerance + rounding
     }
 
     /// Largest error that the end's direction may have.
@@ -95,19 +95,11 @@ impl Setup {
         self.angle(case) * case.sens
     }
 
-    /// Largest error of the end's position: the angle's at the distance it is seen from, and the arc's.
+    /// Largest error of the end's position: the angle's at the distance it is seen from, and the rounding of places.
     fn end_distance(&self, case: &Case) -> f64 {
-        self.end_angle(case) * case.r_out + 10.0 * self.arc_tolerance(case)
-    }
-
-    /// Whether the end is so sensitive that an allowed error leads anywhere.
-    fn anywhere(&self, case: &Case) -> bool {
-        case.eps.abs() < 10.0 * self.angle(case) || self.end_angle(case) > 0.5
+        self.end_angle(case) * case.r_out + 1e-14 * (case.r_out + self.center(case).length())
     }
 }
-
-/// Steps' errors that may add up.
-const STEPS: f64 = 10.0;
 
 /// Follows a ray to the sphere of radius `r_out` from inside, going through it on the way in.
 fn to_the_sphere(scene: &Baked, case: &Case, center: DVec3) -> Shot {
@@ -134,7 +126,9 @@ fn fault(
     match (end, case.exit) {
         (Outcome::Captured, None) => None,
         (Outcome::Landed(landing), Some((position, direction))) => {
-            let off = (landing.position - setup.center(case)).distance(position);
+            // Across the ray: along it, what is met decides, and a mesh has the rounding of its file.
+            let off =
+                (landing.position - setup.center(case) - position).reject_from_normalized(direction).length();
             let turned =
                 landing.direction.angle_between(direction).min(landing.direction.distance(direction));
             let share = (off / setup.end_distance(case)).max(turned / setup.end_angle(case));
@@ -152,34 +146,27 @@ fn fault(
     }
 }
 
-/// Checks all rows; those whose end cannot be known at this accuracy must still end somewhere.
-fn check(setup: &Setup, undecided: usize, follow: impl Fn(&Case) -> Option<Shot>) {
-    let (mut faults, mut free, mut worst) = (Vec::new(), 0, 0.0);
+/// Checks all rows.
+fn check(setup: &Setup, follow: impl Fn(&Case) -> Option<Shot>) {
+    let (mut faults, mut worst) = (Vec::new(), 0.0);
     for case in Case::all() {
         let Some(shot) = follow(&case) else { continue };
-        if matches!(shot.end, Outcome::StepLimit | Outcome::NonFinite) {
-            faults.push(format!("{}: lost as {:?} after {} steps", case.name, shot.end, shot.steps));
-        } else if setup.anywhere(&case) {
-            free += 1;
-        } else {
-            faults.extend(fault(&case, setup, shot.end, &mut worst));
-        }
+        faults.extend(fault(&case, setup, shot.end, &mut worst));
     }
-    println!("tolerance {:e}: {free} rows undecided, worst {worst:.3} of what is allowed", setup.tolerance);
+    println!("{} at {:e}: worst {worst:.3} of what is allowed", setup.stepper, setup.tolerance);
     assert!(faults.is_empty(), "{} rows:\n{}", faults.len(), faults.join("\n"));
-    assert_eq!(free, undecided, "rows too sensitive to decide at tolerance {:e}", setup.tolerance);
 }
 
-fn check_spheres(setup: Setup, undecided: usize) {
-    check(&setup, undecided, |case| {
+fn check_spheres(setup: Setup) {
+    check(&setup, |case| {
         let center = setup.center(case);
         let scene = setup.scene(case, &sphere(center, case.r_out, "black"), &[]);
         Some(to_the_sphere(&scene, case, center))
     });
 }
 
-fn check_quads(setup: Setup, undecided: usize) {
-    check(&setup, undecided, |case| {
+fn check_quads(setup: Setup) {
+    check(&setup, |case| {
         let (position, direction) = case.exit?;
         let half = 0.05 * case.r_out;
         let u = direction.any_orthonormal_vector();
@@ -194,42 +181,47 @@ fn check_quads(setup: Setup, undecided: usize) {
     });
 }
 
-const AT_ORIGIN: Setup = Setup { tolerance: 1e-5, arc: 1e-2, center: DVec3::ZERO, stepper: "rkn6" };
-const ELSEWHERE: Setup = Setup { center: DVec3::new(3.0, -2.0, 5.0), ..AT_ORIGIN };
+const DRAFT: Setup = Setup { tolerance: 1e-3, arc: 1e-2, center: DVec3::ZERO, stepper: "rkn6" };
+const STANDARD: Setup = Setup { tolerance: 1e-5, arc: 1e-3, ..DRAFT };
+const REFERENCE: Setup = Setup { tolerance: 1e-10, arc: 1e-4, center: DVec3::ZERO, stepper: "dop853" };
+const ELSEWHERE: DVec3 = DVec3::new(3.0, -2.0, 5.0);
 
 #[test]
-fn every_ray_reaches_its_sphere_at_loose_tolerances() {
-    check_spheres(Setup { tolerance: 1e-4, arc: 1e-2, ..AT_ORIGIN }, 47);
+fn every_ray_reaches_its_sphere_at_draft_quality() {
+    check_spheres(DRAFT);
 }
 
 #[test]
-fn every_ray_reaches_its_sphere_at_default_tolerances() {
-    check_spheres(Setup { tolerance: 1e-5, arc: 1e-3, ..AT_ORIGIN }, 34);
+fn every_ray_reaches_its_sphere_at_standard_quality() {
+    check_spheres(STANDARD);
 }
 
 #[test]
-fn every_ray_reaches_its_sphere_at_tight_tolerances() {
-    check_spheres(Setup { tolerance: 1e-10, arc: 1e-4, ..AT_ORIGIN }, 7);
+fn every_ray_reaches_its_sphere_at_reference_quality() {
+    check_spheres(REFERENCE);
 }
 
 #[test]
-fn every_ray_reaches_its_sphere_with_the_stepper_of_order_4() {
-    check_spheres(Setup { tolerance: 1e-7, arc: 1e-4, stepper: "rkn4", ..AT_ORIGIN }, 18);
+fn every_ray_reaches_its_sphere_with_every_stepper() {
+    for stepper in ["rkn6", "dop853", "dopri5", "rkf45", "rkn4", "rk4", "leapfrog4"] {
+        check_spheres(Setup { stepper, tolerance: 1e-6, ..STANDARD });
+    }
 }
 
 #[test]
 fn every_ray_reaches_its_sphere_around_a_hole_elsewhere() {
-    check_spheres(Setup { tolerance: 1e-7, arc: 1e-4, ..ELSEWHERE }, 18);
+    check_spheres(Setup { center: ELSEWHERE, ..REFERENCE });
 }
 
 #[test]
 fn every_ray_that_comes_out_meets_a_quad_of_triangles_across_its_way() {
-    check_quads(Setup { tolerance: 1e-5, arc: 1e-3, ..AT_ORIGIN }, 19);
+    check_quads(STANDARD);
 }
 
 #[test]
 fn every_ray_that_comes_out_meets_a_quad_around_a_hole_elsewhere() {
-    check_quads(Setup { tolerance: 1e-7, arc: 1e-4, ..ELSEWHERE }, 10);
+    // The quad's own vertices are in 32 bits, which turns rays that end close to the hole.
+    check_quads(Setup { center: ELSEWHERE, tolerance: 1e-9, ..REFERENCE });
 }
 
 /// Deflection of a ray of impact parameter `b` in units of r_s that comes from `distance`.
@@ -259,10 +251,9 @@ fn rays_from_any_distance_bend_as_darwin_says() {
         for distance in [1e5, 1e6, 1e7, 1e8] {
             for tolerance in [1e-3, 1e-5, 1e-7] {
                 let bent = deflection(0.5 * b, distance, tolerance);
-                // |dα/d ln b| is at most b/(b − b_crit), with b_crit = 3√3 M; the way is some three times as many
-                // steps long as those of the table.
+                // |dα/d ln b| is at most b/(b − b_crit), with b_crit = 3√3 M; b is known to 1e-16 distance / b.
                 let sensitivity = b / (b - 27.0_f64.sqrt());
-                let share = (bent - exact).abs() / (3.0 * STEPS * tolerance * sensitivity);
+                let share = (bent - exact).abs() / (tolerance * sensitivity);
                 worst = worst.max(share);
                 assert!(share < 1.0, "b = {b} M from {distance:e} at {tolerance:e}: {bent}, exactly {exact}");
             }

@@ -30,6 +30,10 @@ pub(super) enum Command {
     Info(InfoArgs),
     /// Tell how far a picture is from a reference, and whether noise explains it
     Compare(CompareArgs),
+    /// Draw a fan of rays past the hole, in a plane, with what the plane cuts
+    Rays(RaysArgs),
+    /// Measure errors and speed of steppers and tolerances on a scene
+    Study(StudyArgs),
 }
 
 /// Arguments of `render`.
@@ -87,6 +91,72 @@ pub(super) struct CompareArgs {
     pub(super) strict: bool,
 }
 
+/// Arguments of `rays`.
+#[derive(Debug, Args)]
+pub(super) struct RaysArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Picture, or table of points, to write
+    #[arg(short, long, value_name = "FILE.svg|png|csv", value_parser = OsStringValueParser::new().try_map(|s| parse::rays(&s)))]
+    pub(super) output: PathBuf,
+    /// Number of rays
+    #[arg(long, value_name = "N", value_parser = parse::ray_count, default_value = "41", allow_hyphen_values = true)]
+    pub(super) count: u32,
+    /// Angle from the first ray to the last, degrees [default: the camera's horizontal field of view]
+    #[arg(long, value_name = "DEG", value_parser = parse::angle, allow_hyphen_values = true)]
+    pub(super) fan: Option<f64>,
+    /// Where the rays start; they then fan out towards the hole [default: the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::triple, allow_hyphen_values = true)]
+    pub(super) from: Option<[f64; 3]>,
+    /// Direction up from the plane of the rays, as far as the hole in the plane allows [default: the plane holds the
+    /// view direction]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::triple, allow_hyphen_values = true)]
+    pub(super) up: Option<[f64; 3]>,
+    #[command(flatten)]
+    pub(super) accuracy: AccuracyArgs,
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+pub(super) struct StudyArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
+    #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
+    pub(super) output: PathBuf,
+    /// Steppers, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    pub(super) steppers: Vec<StepperKind>,
+    /// Tolerances, separated by commas
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::positive,
+        value_delimiter = ',',
+        default_value = "1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8",
+        allow_hyphen_values = true
+    )]
+    pub(super) tolerances: Vec<f64>,
+    /// Schedules, separated by commas [default: the scene's]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    pub(super) schedules: Vec<Schedule>,
+    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    pub(super) arc_tolerance: Option<f64>,
+    /// Size of the pictures in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true)]
+    pub(super) size: (usize, usize),
+    /// Samples per pixel where the speed of whole paths is measured
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true)]
+    pub(super) spp: u32,
+    /// Times that each setting's speed is measured, all settings in turn; medians count
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "3", allow_hyphen_values = true)]
+    pub(super) rounds: u32,
+    /// Worker threads; 0 means one per core
+    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
+    pub(super) threads: usize,
+}
+
 /// Which scene, and what is changed in it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
@@ -129,21 +199,8 @@ pub(super) struct SettingArgs {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
     size: Option<(usize, usize)>,
-    /// Preset of --tolerance and --arc-tolerance
-    #[arg(long, value_enum, value_name = "PRESET")]
-    quality: Option<Quality>,
-    /// How rays are advanced through curved space
-    #[arg(long, value_enum, value_name = "NAME")]
-    stepper: Option<StepperKind>,
-    /// Numbers that orbits are followed in
-    #[arg(long, value_enum, value_name = "NAME")]
-    precision: Option<Precision>,
-    /// Largest error of a ray's direction, radians at its start
-    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
-    tolerance: Option<f64>,
-    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
-    arc_tolerance: Option<f64>,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
     /// Order in which the kernels run; the picture is the same
     #[arg(long, value_enum, value_name = "NAME")]
     schedule: Option<Schedule>,
@@ -164,23 +221,52 @@ pub(super) struct SettingArgs {
     sampler: Option<SamplerKind>,
 }
 
-impl SettingArgs {
+/// How rays are integrated.
+#[derive(Debug, Default, Args)]
+pub(super) struct AccuracyArgs {
+    /// Preset of --stepper, --tolerance and --arc-tolerance
+    #[arg(long, value_enum, value_name = "PRESET")]
+    quality: Option<Quality>,
+    /// How rays are advanced through curved space
+    #[arg(long, value_enum, value_name = "NAME")]
+    stepper: Option<StepperKind>,
+    /// Numbers that orbits are followed in
+    #[arg(long, value_enum, value_name = "NAME")]
+    precision: Option<Precision>,
+    /// Largest error of a ray's direction, radians at its start
+    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    arc_tolerance: Option<f64>,
+}
+
+/// Puts a flag, if given, over a setting.
+fn set<T: Copy>(flag: Option<T>, value: &mut T) {
+    *value = flag.unwrap_or(*value);
+}
+
+impl AccuracyArgs {
     /// Puts the preset, then the single flags, over what the scene file says.
     pub(super) fn apply(&self, settings: &mut Settings) {
-        fn set<T: Copy>(flag: Option<T>, value: &mut T) {
-            *value = flag.unwrap_or(*value);
-        }
         if let Some(quality) = self.quality {
             quality.apply(settings);
         }
-        if let Some((width, height)) = self.size {
-            (settings.width, settings.height) = (width, height);
-        }
         settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
-        set(self.spp, &mut settings.spp);
         set(self.stepper, &mut settings.stepper);
         set(self.precision, &mut settings.precision);
         set(self.tolerance, &mut settings.tolerance);
+    }
+}
+
+impl SettingArgs {
+    /// Puts the flags over what the scene file says.
+    pub(super) fn apply(&self, settings: &mut Settings) {
+        self.accuracy.apply(settings);
+        if let Some((width, height)) = self.size {
+            (settings.width, settings.height) = (width, height);
+        }
+        set(self.spp, &mut settings.spp);
         set(self.schedule, &mut settings.schedule);
         set(self.max_depth, &mut settings.max_depth);
         set(self.seed, &mut settings.seed);

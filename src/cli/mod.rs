@@ -11,8 +11,10 @@ mod outputs;
 mod parse;
 mod progress;
 mod quality;
+mod rays;
 mod render;
 mod stages;
+mod study;
 mod summary;
 mod units;
 
@@ -50,6 +52,8 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Rays(args) => rays::run(args),
+        Command::Study(args) => study::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

@@ -10,6 +10,9 @@ use std::time::Duration;
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
 
+/// Most pixels of a picture whose rays are all kept in memory: a few GB.
+const MAX_KEPT: usize = 1 << 24;
+
 /// A whole number in `range`.
 fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
     let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
@@ -75,15 +78,36 @@ pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| format!("give WIDTHxHEIGHT in pixels, such as 640x480, each from 1 to {MAX_SIDE}"))
 }
 
-/// Four numbers `A,B,C,D`.
-fn four<T>(text: &str, number: impl Fn(&str) -> Option<T>) -> Option<[T; 4]> {
+/// A number of rays to draw.
+pub(super) fn ray_count(text: &str) -> Result<u32, String> {
+    whole(text, 1..=10_000).map(|number| number as u32)
+}
+
+/// An angle of up to a whole turn, degrees.
+pub(super) fn angle(text: &str) -> Result<f64, String> {
+    let angle = finite(text).ok().filter(|&degrees| degrees > 0.0 && degrees <= 360.0);
+    angle.ok_or_else(|| "give an angle above 0 and up to 360, in degrees".to_owned())
+}
+
+/// `WxH` in pixels of a picture whose rays are all kept in memory.
+pub(super) fn small_size(text: &str) -> Result<(usize, usize), String> {
+    let small = size(text)?;
+    if small.0 * small.1 <= MAX_KEPT {
+        Ok(small)
+    } else {
+        Err(format!("give at most {MAX_KEPT} pixels in all"))
+    }
+}
+
+/// Numbers `A,B,…`, as many as asked for.
+fn numbers<T, const N: usize>(text: &str, number: impl Fn(&str) -> Option<T>) -> Option<[T; N]> {
     let numbers: Option<Vec<T>> = text.split(',').map(|part| number(part.trim())).collect();
     numbers?.try_into().ok()
 }
 
 /// `X0,Y0,X1,Y1`: the pixels from (X0, Y0) up to but without (X1, Y1).
 pub(super) fn crop(text: &str) -> Result<[usize; 4], String> {
-    let numbers = four(text, |part| part.parse::<usize>().ok())
+    let numbers = numbers(text, |part| part.parse::<usize>().ok())
         .ok_or("give X0,Y0,X1,Y1 in whole pixels from the top left corner, such as 0,0,320,240".to_owned())?;
     let [x0, y0, x1, y1] = numbers;
     if x0 < x1 && y0 < y1 {
@@ -93,10 +117,15 @@ pub(super) fn crop(text: &str) -> Result<[usize; 4], String> {
     }
 }
 
+/// `X,Y,Z`: a point or a direction, scene units.
+pub(super) fn triple(text: &str) -> Result<[f64; 3], String> {
+    numbers(text, |part| finite(part).ok()).ok_or_else(|| "give X,Y,Z, such as 0,1,0".to_owned())
+}
+
 /// `X,Y,Z,RS`: where a hole is and its Schwarzschild radius, scene units.
 pub(super) fn black_hole(text: &str) -> Result<[f64; 4], String> {
-    four(text, |part| finite(part).ok())
-        .filter(|numbers| numbers[3] > 0.0)
+    numbers(text, |part| finite(part).ok())
+        .filter(|numbers: &[f64; 4]| numbers[3] > 0.0)
         .ok_or_else(|| "give X,Y,Z,RS in scene units with a radius above 0, such as 0,0,0,1".to_owned())
 }
 
@@ -118,25 +147,43 @@ pub(super) fn assignment(text: &str) -> Result<String, String> {
 
 /// A file name that ends in `.exr`.
 pub(super) fn exr(text: &OsStr) -> Result<PathBuf, String> {
-    with_extension(text, "exr")
+    with_extension(text, &["exr"])
 }
 
 /// A file name that ends in `.png`.
 pub(super) fn png(text: &OsStr) -> Result<PathBuf, String> {
-    with_extension(text, "png")
+    with_extension(text, &["png"])
 }
 
 /// A file name that ends in `.json`.
 pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
-    with_extension(text, "json")
+    with_extension(text, &["json"])
 }
 
-fn with_extension(text: &OsStr, extension: &str) -> Result<PathBuf, String> {
+/// What file names begin with.
+pub(super) fn prefix(text: &OsStr) -> Result<PathBuf, String> {
+    let named =
+        Path::new(text).file_name().is_some() && !text.to_string_lossy().ends_with(std::path::is_separator);
+    if named {
+        Ok(text.into())
+    } else {
+        Err("give the name that the files begin with, such as study".to_owned())
+    }
+}
+
+/// A file name of a picture or a table of rays.
+pub(super) fn rays(text: &OsStr) -> Result<PathBuf, String> {
+    with_extension(text, &["svg", "png", "csv"])
+}
+
+fn with_extension(text: &OsStr, extensions: &[&str]) -> Result<PathBuf, String> {
     let path = Path::new(text);
     let names_folder = text.to_string_lossy().ends_with(std::path::is_separator);
     match path.extension() {
-        Some(found) if found.eq_ignore_ascii_case(extension) && !names_folder => Ok(path.to_owned()),
-        _ => Err(format!("give a file name that ends in .{extension}")),
+        Some(found) if extensions.iter().any(|e| found.eq_ignore_ascii_case(e)) && !names_folder => {
+            Ok(path.to_owned())
+        }
+        _ => Err(format!("give a file name that ends in .{}", extensions.join(" or ."))),
     }
 }
 

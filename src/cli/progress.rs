@@ -7,15 +7,16 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use super::units::decimal;
 use crate::trace::Progress;
 
-/// Shows how far a render has come, how fast it goes, and when it will be done.
+/// Shows how far work has come, how fast it goes, and when it will be done.
 pub(super) struct Bar(ProgressBar);
 
 impl Bar {
-    pub(super) fn new() -> Self {
+    /// A bar for work that is counted in `unit`.
+    pub(super) fn new(unit: &'static str) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        let rate = |state: &ProgressState, out: &mut dyn Write| {
+        let rate = move |state: &ProgressState, out: &mut dyn Write| {
             // The bar offers no way to report that it could not format.
-            let _ = write!(out, "{} paths/s", decimal(state.per_sec()));
+            let _ = write!(out, "{} {unit}/s", decimal(state.per_sec()));
         };
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {rate}  {eta} left") {
             bar.set_style(style.with_key("rate", rate));

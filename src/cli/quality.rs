@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 
-use crate::scene::Settings;
+use crate::scene::{Settings, StepperKind};
 
 /// A preset; it goes over the scene file's values, and single flags go over it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -16,18 +16,19 @@ pub(super) enum Quality {
 }
 
 impl Quality {
-    /// `tolerance`, and the factor on the arc tolerance that comes from the pixel footprint.
-    fn tolerances(self) -> (f64, f64) {
+    /// Stepper, tolerance, and the factor on the arc tolerance that comes from the pixel footprint: the settings on the
+    /// front of `study` nearest to these tolerances.
+    fn accuracy(self) -> (StepperKind, f64, f64) {
         match self {
-            Quality::Draft => (1e-3, 4.0),
-            Quality::Standard => (1e-5, 1.0),
-            Quality::Reference => (1e-8, 0.1),
+            Quality::Draft => (StepperKind::Rkn6, 1e-3, 4.0),
+            Quality::Standard => (StepperKind::Rkn6, 1e-5, 1.0),
+            Quality::Reference => (StepperKind::Dop853, 1e-10, 0.1),
         }
     }
 
     /// Sets what the preset decides.
     pub(super) fn apply(self, settings: &mut Settings) {
-        (settings.tolerance, settings.arc_tolerance_factor) = self.tolerances();
+        (settings.stepper, settings.tolerance, settings.arc_tolerance_factor) = self.accuracy();
         settings.arc_tolerance = None;
     }
 }

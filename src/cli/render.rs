@@ -20,7 +20,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
         say(format!("warning: {warning}"));
     }
 
-    let bar = Bar::new();
+    let bar = Bar::new("paths");
     interrupt.render_begins();
     let rendered = trace::render(&scene, &run, interrupt.flag(), &|progress| bar.update(progress));
     bar.finish();

@@ -151,7 +151,7 @@ pub(super) mod tests {
     fn a_hole_marches_and_captures() {
         let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 };
         let scene = empty_scene(hole);
-        assert_eq!(find(&scene, "advance").why, "curved: rkn5 steps of tolerance 1e-5");
+        assert_eq!(find(&scene, "advance").why, "curved: rkn6 steps of tolerance 1e-5");
         assert!(find(&scene, "capture").runs);
     }
 

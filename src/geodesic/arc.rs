@@ -124,7 +124,7 @@ impl<R: Real> Step<R> {
     #[inline(always)]
     pub fn displacement(&self) -> [R; 2] {
         let (w0, w1) = (self.start.w, self.end.w);
-        let outwards = (w0 - w1) / (w0 * w1);
+        let outwards = -self.gain / (w0 * w1);
         // 1 − cos = sin²/(1 + cos).
         let sagged = self.sin * self.sin / ((R::of(1.0) + self.cos) * w1);
         [outwards - sagged, self.sin / w1]
@@ -141,7 +141,7 @@ impl<R: Real> Step<R> {
 }
 
 /// Turn below which a step is fitted with a parabola, in roundings: the tangents meet too ill-conditioned there.
-const SMALL_TURN: f64 = 1e6;
+const SMALL_TURN: f64 = 1e4;
 
 /// The arc that stands in for `step`.
 #[inline(always)]

@@ -56,6 +56,11 @@ const LONGEST_RISE: f64 = 1.0;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
 
+/// Length of a step that is lost in rounding, in roundings.
+const STUCK: f64 = 1e-3;
+/// Distance from the photon sphere at which rounding decides the branch, relative to it and to √rounding: there the
+/// orbits of both branches part by the square.
+const BESIDE: f64 = 1e2;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
@@ -107,6 +112,26 @@ impl<R: Real> Control<R> {
         let most = if accepted { GROWTH.1 } else { HALVED };
         let factor = factor.at_most(R::of(most)).at_least(R::of(GROWTH.0));
         Verdict { accepted, next_h: step.h * factor, error: bounded }
+    }
+
+    /// Whether a step of length `h` from `phase` would be lost in rounding.
+    #[inline(always)]
+    pub fn is_stuck(&self, h: R, b: R, phase: &Phase<R>) -> bool {
+        let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
+        // Not so for NaN, which nothing sets free.
+        !(h * n > R::of(STUCK * R::EPSILON) * phase.w)
+    }
+
+    /// The way on for a ray that is stuck beside the circular ray: so close to it that rounding has taken it to the
+    /// wrong branch, it turns if it must not cross the photon sphere, and crosses if it must not turn.
+    pub fn set_free<M: ConformallyFlat>(&self, medium: &M, b: R, phase: &Phase<R>) -> Option<Phase<R>> {
+        let away = self.photon_sphere - phase.w;
+        if !(away.abs() < R::of(BESIDE * R::EPSILON.sqrt()) * self.photon_sphere) {
+            return None;
+        }
+        let (w, v) =
+            if b > self.critical { (phase.w, R::of(0.0)) } else { (self.photon_sphere + away, phase.v) };
+        Some(Phase::new(medium, w, v))
     }
 
     /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.

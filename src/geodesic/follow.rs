@@ -68,8 +68,13 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         let step = Step::new(medium, stepper, b, phase, R::of(h.value()));
         let verdict = control.judge::<S>(&step, zero, previous);
         if !verdict.accepted {
-            if !(verdict.next_h > zero && phase.w.value().is_finite()) || h.value() < f64::MIN_POSITIVE {
-                return Journey { end: End::NonFinite, ..journey };
+            if control.is_stuck(verdict.next_h, b, &phase) {
+                let Some(free) = control.set_free(medium, b, &phase) else {
+                    return Journey { end: End::NonFinite, ..journey };
+                };
+                phase = free;
+                h = control.first_step::<M, S>(medium, b, &phase);
+                continue;
             }
             h = verdict.next_h;
             continue;

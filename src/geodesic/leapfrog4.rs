@@ -26,18 +26,18 @@ impl Stepper for Leapfrog4 {
     /// which in a weak field may vanish by chance, and by how much the force curves, O(h⁴) in the position.
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
-        let (mut position, mut velocity, mut kick, mut done) = (w, v, f, 0.0);
+        let (mut gain, mut velocity, mut kick, mut done) = (R::of(0.0), v, f, 0.0);
         let mut forces = [f; 6];
         for (i, length) in LENGTHS.into_iter().enumerate() {
             let half = R::of(0.5 * length) * h;
             velocity = velocity + half * kick;
-            position = position + R::of(length) * h * velocity;
+            gain = gain + R::of(length) * h * velocity;
             done += length;
-            kick = force(R::of(done) * h, position);
+            kick = force(R::of(done) * h, w + gain);
             forces[i + 1] = kick;
             velocity = velocity + half * kick;
         }
         let position_error = h * h * sum(&CURVED, &forces, 6);
-        Trial { position, velocity, position_error, velocity_error: R::of(0.0) }
+        Trial { gain, velocity, position_error, velocity_error: R::of(0.0) }
     }
 }

@@ -64,6 +64,8 @@ pub struct Step<R> {
     pub start: Phase<R>,
     /// Where it ends.
     pub end: Phase<R>,
+    /// w at the end less w at the start, to its own rounding.
+    pub gain: R,
     /// Length in ξ: the tangent of the swept angle, over b.
     pub h: R,
     /// Cosine of the swept angle.
@@ -90,6 +92,9 @@ const CLOSEST: f64 = 64.0;
 
 /// Rounding of w′² + b² w² − n², relative to the terms and to that of one operation.
 const ROUNDING: f64 = 16.0;
+
+/// Logarithmic slope of the index up to which a field is weak.
+const WEAK: f64 = 0.01;
 
 impl Launch {
     /// The orbit of a ray that starts at `x`, relative to the centre and not 0, in the direction `d`, not 0 and of any
@@ -169,7 +174,8 @@ impl<R: Real> Step<R> {
         };
         let trial = stepper.step(force, [start.w, start.v, start.pull], h);
         let c = cosine(h);
-        let (w, v) = (trial.position * c, trial.velocity / c - trial.position * b2 * h * c);
+        let position = start.w + trial.gain;
+        let (w, v) = (position * c, trial.velocity / c - position * b2 * h * c);
         let (n2, pull) = (medium.index_squared(w), medium.pull(w));
         // One step of Newton's method towards the constraint, along its gradient in units of w and n.
         let excess = v * v + b2 * w * w - n2;
@@ -179,16 +185,24 @@ impl<R: Real> Step<R> {
         let n = n2.sqrt();
         let angle = |w_error: R, v_error: R| b * (w_error.abs() * n + v_error.abs() * w.abs()) / n2;
         let v_error = trial.velocity_error / c;
-        // Near the circular ray both slopes vanish, and rounding would look like an error; near the horizon, that of w.
+        // What may be rounding is no error: near the circular ray, where both slopes vanish, it would look like one, and
+        // near the horizon that of w does.
         let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
         let known = (excess.abs() - rounding).at_least(R::of(0.0));
+        // Far from the centre undoing it would move the ray about; elsewhere it would grow towards the circular ray.
+        let beyond = if excess > R::of(0.0) { known } else { -known };
+        let undo = if pull.abs() * w < R::of(WEAK) * n2 { beyond } else { excess };
+        let sin = b * h * c;
+        // 1 − cos = sin²/(1 + cos).
+        let gain = trial.gain * c - start.w * (sin * sin / (one + c)) - undo * across_w;
         Self {
             b,
             start,
-            end: Phase { w: w - excess * across_w, v: v - excess * across_v, pull },
+            gain,
+            end: Phase { w: w - undo * across_w, v: v - undo * across_v, pull },
             h,
             cos: c,
-            sin: b * h * c,
+            sin,
             embedded: angle(trial.position_error * c, v_error),
             undone: known * angle(across_w, across_v),
             drift: excess.abs() / n2,

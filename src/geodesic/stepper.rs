@@ -7,8 +7,8 @@ use crate::math::real::Real;
 /// The end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial<R> {
-    /// W.
-    pub position: R,
+    /// Change of W: exact to its own rounding, not to that of W.
+    pub gain: R,
     /// dW/dξ.
     pub velocity: R,
     /// Estimated error of W.
@@ -82,7 +82,7 @@ pub(super) fn sum<R: Real, const S: usize>(weights: &[f64; S], values: &[R; S], 
 }
 
 impl<const S: usize> RungeKutta<S> {
-    /// Velocity and force of all stages, and W at the last.
+    /// Change of W up to the last stage, and velocity and force of all stages.
     #[inline(always)]
     pub(super) fn stages<R: Real>(
         &self,
@@ -90,21 +90,21 @@ impl<const S: usize> RungeKutta<S> {
         [w, v, f]: [R; 3],
         h: R,
     ) -> (R, [R; S], [R; S]) {
-        let (mut position, mut velocities, mut forces) = (w, [v; S], [f; S]);
+        let (mut gain, mut velocities, mut forces) = (R::of(0.0), [v; S], [f; S]);
         for i in 1..S {
-            position = w + h * sum(&self.a[i], &velocities, i);
+            gain = h * sum(&self.a[i], &velocities, i);
             velocities[i] = v + h * sum(&self.a[i], &forces, i);
-            forces[i] = force(R::of(self.c[i]) * h, position);
+            forces[i] = force(R::of(self.c[i]) * h, w + gain);
         }
-        (position, velocities, forces)
+        (gain, velocities, forces)
     }
 
     /// One step with the estimate of weights `e`.
     #[inline(always)]
     pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
-        let (position, velocities, forces) = self.stages(force, start, h);
+        let (gain, velocities, forces) = self.stages(force, start, h);
         Trial {
-            position,
+            gain,
             velocity: velocities[S - 1],
             position_error: h * sum(&self.e, &velocities, S),
             velocity_error: h * sum(&self.e, &forces, S),
@@ -117,14 +117,14 @@ impl<const S: usize> Nystrom<S> {
     #[inline(always)]
     pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
         let h2 = h * h;
-        let (mut position, mut forces) = (w, [f; S]);
+        let (mut gain, mut forces) = (R::of(0.0), [f; S]);
         for i in 1..S {
             let ch = R::of(self.c[i]) * h;
-            position = w + ch * v + h2 * sum(&self.a[i], &forces, i);
-            forces[i] = force(ch, position);
+            gain = ch * v + h2 * sum(&self.a[i], &forces, i);
+            forces[i] = force(ch, w + gain);
         }
         Trial {
-            position,
+            gain,
             velocity: v + h * sum(&self.b, &forces, S),
             position_error: h2 * sum(&self.e, &forces, S),
             velocity_error: h * sum(&self.d, &forces, S),

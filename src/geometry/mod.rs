@@ -5,6 +5,7 @@
 
 mod build;
 mod bvh;
+mod cut;
 mod disk;
 mod distance;
 mod mesh;
@@ -14,6 +15,7 @@ mod segment;
 mod sphere;
 mod triangle;
 
+pub use cut::{Cut, Plane};
 pub use mesh::{Instance, Mesh};
 pub use primitives::{Disk, Primitives, Sphere, Surface};
 pub use scene::{Counts, Geometry, Hit, PrimitiveId, SurfacePoint};

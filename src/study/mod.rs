@@ -1,4 +1,11 @@
-//! What can be learnt from finished pictures and rays.
+//! What the tracer does, looked at from outside: its rays, its errors, its speed and its pictures.
 
 pub mod compare;
+mod fan;
+mod fate;
 pub mod noise;
+pub mod pareto;
+pub mod report;
+pub mod sweep;
+
+pub use fan::{Fan, FanError, FanOptions};

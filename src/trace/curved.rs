@@ -6,7 +6,7 @@ use super::columns::{Field, Row, columns};
 use super::march::March;
 use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
-use crate::geometry::{Geometry, Line, PrimitiveId};
+use crate::geometry::{Geometry, Line, PrimitiveId, Segment};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
 
@@ -33,6 +33,8 @@ pub struct Curved<M, R> {
     pub arc_tolerance: f64,
     /// Arcs with a larger sagitta are searched in halves: a thick chord meets too many boxes.
     pub longest_sagitta: f64,
+    /// Longer arcs are searched in halves: beside them, the geometry would drown in their rounding.
+    pub longest_chord: f64,
     /// World bounds of the geometry; arcs outside are not searched.
     pub bounds: (DVec3, DVec3),
 }
@@ -97,8 +99,10 @@ columns! {
 
 /// Most steps of one ray: two orders of magnitude above what rays with several windings take.
 const MAX_STEPS: u32 = 10_000;
-/// Most times that an arc is halved for the search.
-const MAX_HALVINGS: u32 = 8;
+/// Most times that an arc is halved because of its sagitta.
+const MOST_FOR_SAGITTA: u32 = 8;
+/// Most times that an arc is halved because of its length.
+const MOST_FOR_LENGTH: u32 = 60;
 /// How far outside the geometry a step may end, as a part of the inverse radius that bounds it.
 const OUTSIDE: f64 = 0.5;
 
@@ -140,6 +144,25 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         low.cmple(max).all() && high.cmpge(min).all()
     }
 
+    /// Searches an arc, in halves if it is thick or long beside the geometry.
+    fn sweep<F>(&self, arc: &Arc, leaves: PrimitiveId, halvings: u32, search: &mut F) -> Option<Found>
+    where
+        F: FnMut(&Arc, PrimitiveId) -> Option<Found>,
+    {
+        if !self.may_meet(arc) {
+            return None;
+        }
+        let thick = halvings < MOST_FOR_SAGITTA && arc.sagitta() > self.longest_sagitta;
+        let length2 = arc.p0.distance_squared(arc.p2);
+        let long = halvings < MOST_FOR_LENGTH && length2 > self.longest_chord * self.longest_chord;
+        if thick || long {
+            let (left, right) = arc.halves();
+            let first = self.sweep(&left, leaves, halvings + 1, search);
+            return first.or_else(|| self.sweep(&right, PrimitiveId::NONE, halvings + 1, search));
+        }
+        search(arc, leaves)
+    }
+
     /// A length of at most `h` for the next step: far outside the geometry, rays go to its edge in one step, and on
     /// their way out they do not go far beyond.
     #[inline(always)]
@@ -160,14 +183,17 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     /// Guesses which part of a step leads to `point`, relative to the centre.
     fn part(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
         let tangent = (flight.b * flight.h).value();
-        let (w0, w1) = (flight.w.value(), step.w.value());
         let s = if tangent > 1e-3 {
             point.dot(flight.along) / (point.dot(flight.radial) * tangent)
-        } else if (w1 - w0).abs() > 1e-3 * w0 {
-            (1.0 / point.length() - w0) / (w1 - w0)
         } else {
-            let chord = flight.place(step.end_x, step.end_y);
-            (point - flight.position).dot(chord) / chord.length_squared()
+            let (way, whole) = (point - flight.position, flight.place(step.end_x, step.end_y));
+            let (x, end_x) = (way.dot(flight.radial), step.end_x.value());
+            if end_x.abs() > 0.1 * whole.length() {
+                // Nearly along the radius w is linear in ξ.
+                x / end_x / ((step.w / flight.w).value() * (1.0 + x * flight.w.value()))
+            } else {
+                way.dot(whole) / whole.length_squared()
+            }
         };
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 1.0 }
     }
@@ -190,7 +216,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         };
         let mut s = self.part(flight, step, point - self.center);
         let (mut position, mut direction, mut piece) = at(s);
-        for _ in 0..4 {
+        for _ in 0..6 {
             let (height, normal) = geometry.carrier(primitive, position);
             // |dx/dξ| = n c²/w².
             let (b, w, v, c) = (piece.b.value(), piece.end.w.value(), piece.end.v.value(), piece.cos.value());
@@ -198,20 +224,37 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             let shift = height / (normal.dot(direction) * speed);
             s -= shift;
             (position, direction, piece) = at(s);
-            // Quadratic convergence: what is left is the square of this.
-            if shift.abs() < 1e-6 {
+            // Quadratic convergence: what is left, relative to the radius, is the square of this.
+            if (shift * speed * w).abs() < 1e-6 {
                 break;
             }
         }
         let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.arc_tolerance;
-        let clear = near
-            && geometry.covers(primitive, position)
-            && geometry.intersect(&Line { p0: point, p2: position }, primitive).is_none();
-        if !clear {
-            direction = at(self.part(flight, step, point - self.center)).1;
-            position = point;
+        let direction = direction.normalize();
+        let moved = position.distance(point);
+        if (0.0..=1.0).contains(&s) && moved <= 8.0 * self.arc_tolerance {
+            // Both ends lie on the primitive's carrier: what shares that cannot stand between them.
+            let shares_carrier = |other: PrimitiveId| {
+                let (normal, beside) =
+                    (geometry.carrier(primitive, point).1, geometry.carrier(other, point).1);
+                normal.cross(beside).length_squared() < 1e-18
+            };
+            let between = geometry.intersect(&Line { p0: point, p2: position }, primitive);
+            if geometry.covers(primitive, position) && between.is_none_or(|hit| shares_carrier(hit.primitive))
+            {
+                return Landing { position, direction, primitive };
+            }
+            // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
+            let reach = 2.0 * moved * direction;
+            if moved < 0.1 * position.distance(flight.position + self.center) {
+                let tangent = Line { p0: position - reach, p2: position + reach };
+                if let Some(hit) = geometry.intersect(&tangent, PrimitiveId::NONE) {
+                    return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+                }
+            }
         }
-        Landing { position, direction: direction.normalize(), primitive }
+        let direction = at(self.part(flight, step, point - self.center)).1.normalize();
+        Landing { position: point, direction, primitive }
     }
 
     /// The direction at infinity of a ray that meets nothing more.
@@ -276,29 +319,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         if !step.accepted {
             return None;
         }
-        let mut pending = [(self.arc(flight, step), 0); MAX_HALVINGS as usize + 1];
-        let mut count = 1;
-        let mut leaves = flight.leaves;
-        while count > 0 {
-            count -= 1;
-            let (arc, halvings) = pending[count];
-            if !self.may_meet(&arc) {
-                leaves = PrimitiveId::NONE;
-                continue;
-            }
-            if halvings < MAX_HALVINGS && arc.sagitta() > self.longest_sagitta {
-                let (left, right) = arc.halves();
-                pending[count] = (right, halvings + 1);
-                pending[count + 1] = (left, halvings + 1);
-                count += 2;
-                continue;
-            }
-            if let found @ Some(_) = search(&arc, leaves) {
-                return found;
-            }
-            leaves = PrimitiveId::NONE;
-        }
-        None
+        self.sweep(&self.arc(flight, step), flight.leaves, 0, &mut search)
     }
 
     #[inline(always)]
@@ -317,10 +338,17 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             return Outcome::StepLimit;
         }
         if !step.accepted {
-            // The next step must be finite and not vanish; a state lost for good is reported.
             let shorter = CurvedFlight { h: step.next_h, steps, ..*flight };
-            let moves = step.next_h.value() > f64::from(f32::MIN_POSITIVE) && step.next_h < flight.h;
-            return if moves { Outcome::Flying(shorter) } else { Outcome::NonFinite };
+            if !self.control.is_stuck(step.next_h, flight.b, &flight.phase()) {
+                return Outcome::Flying(shorter);
+            }
+            return match self.control.set_free(&self.medium, flight.b, &flight.phase()) {
+                Some(phase) => {
+                    let h = self.within(self.march.first_step(flight.b, &phase), flight.b, &phase);
+                    Outcome::Flying(CurvedFlight { w: phase.w, v: phase.v, pull: phase.pull, h, ..shorter })
+                }
+                None => Outcome::NonFinite,
+            };
         }
         // In f64, so that the vectors stay orthonormal.
         let tangent = (flight.b * flight.h).value();
@@ -347,6 +375,10 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             };
         }
         Outcome::Flying(next)
+    }
+
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {
+        step.accepted.then(|| self.arc(flight, step))
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {

@@ -15,6 +15,7 @@ pub mod stages;
 mod stats;
 mod straight;
 mod tile;
+mod trail;
 pub mod transport;
 mod wavefront;
 mod work;
@@ -38,6 +39,7 @@ pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
+pub use trail::{Trail, trails};
 use transport::{Errand, Transport};
 use wavefront::Wavefront;
 use work::Job;
@@ -104,6 +106,11 @@ pub fn render(
 
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
 fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
+    with_transport_to(scene, f64::INFINITY, errand)
+}
+
+/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not.
+fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Output {
     let settings = &scene.settings;
     let (center, r_s) = match scene.spacetime {
         SpacetimeKind::Flat => return errand.run(&Straight::new(scene.geometry.bounds())),
@@ -111,7 +118,7 @@ fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     };
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    let place = Place { medium, center, chart: Chart::new(&medium, nearest, farthest) };
+    let place = Place { medium, center, chart: Chart::new(&medium, nearest.min(core), farthest) };
     match (settings.stepper, settings.precision) {
         (StepperKind::Rk4Paper, _) => errand.run(&PaperMarch { medium, center, chart: place.chart }),
         (_, Precision::F32) => errand.run(&place.curved::<f32>(scene)),
@@ -129,6 +136,7 @@ struct Place<M> {
 impl<M: ConformallyFlat + 'static> Place<M> {
     fn curved<R: Lane>(&self, scene: &Baked) -> Curved<M, R> {
         let arc_tolerance = scene.arc_tolerance();
+        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         Curved {
             medium: self.medium,
@@ -138,11 +146,14 @@ impl<M: ConformallyFlat + 'static> Place<M> {
             center: self.center,
             chart: self.chart,
             longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
-            bounds: scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY)),
+            longest_chord: CHORD * low.distance(high),
+            bounds: (low, high),
         }
     }
 }
 
+/// Longest chord of a searched arc, relative to the diagonal of the geometry.
+const CHORD: f64 = 8.0;
 /// Largest sagitta of a searched arc, relative to the median primitive.
 const SAGITTA: f64 = 0.25;
 

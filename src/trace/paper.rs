@@ -169,6 +169,10 @@ impl Transport for PaperMarch {
         })
     }
 
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Line> {
+        Some(Line { p0: flight.position + self.center, p2: step.position + self.center })
+    }
+
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         point.map_or(step.position, |p| p - self.center).distance(flight.position)
     }

@@ -114,6 +114,10 @@ impl Transport for Straight {
         }
     }
 
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Line> {
+        Some(Line { p0: flight.position, p2: step.end })
+    }
+
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
         point.unwrap_or(step.end).distance(flight.position)
     }

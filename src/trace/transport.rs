@@ -85,6 +85,9 @@ pub trait Transport: Sync {
         found: Option<Found>,
     ) -> Outcome<Self::Flight>;
 
+    /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
+    fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Self::Segment>;
+
     /// Coordinate length of a move, up to `point` if given.
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
 }

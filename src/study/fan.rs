@@ -1,0 +1,320 @@
+//! A fan of rays in a plane through the hole, and its picture.
+
+use std::f64::consts::PI;
+use std::io::{self, Write};
+
+use glam::{DVec2, DVec3};
+
+use super::fate::Fate;
+use crate::geometry::{Cut, Plane, PrimitiveId};
+use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
+use crate::scene::{Baked, SpacetimeKind};
+use crate::spacetime::{ConformallyFlat, Schwarzschild};
+use crate::trace::{Ray, Trail, trails, transport::Outcome};
+
+/// Which rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FanOptions {
+    /// Number of rays, at least 1.
+    pub count: u32,
+    /// Angle between the first ray and the last, radians; `None`: the camera's horizontal field of view.
+    pub angle: Option<f64>,
+    /// World point from which the fan opens towards the hole; `None`: the camera's position and view direction.
+    pub from: Option<DVec3>,
+    /// World direction to which the fan's plane is perpendicular, as far as the hole in the plane allows; `None`: the
+    /// plane also holds the view direction, or lies level in the image.
+    pub up: Option<DVec3>,
+}
+
+/// Why there is no such fan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FanError {
+    /// Rays cannot start there.
+    #[error("the fan starts inside the horizon")]
+    InsideHorizon,
+    /// No plane is perpendicular to that.
+    #[error("the direction that is up from the plane points along the plane")]
+    UpAlongPlane,
+    /// Rays start at the camera's near plane.
+    #[error("the fan reaches behind the camera's near plane, where its rays start")]
+    BehindNearPlane,
+}
+
+/// A fan of rays, traced.
+pub struct Fan {
+    trails: Vec<Trail>,
+    hole: Option<(DVec3, Schwarzschild)>,
+    cuts: Vec<Cut>,
+    view: View,
+}
+
+/// The plane of the fan as the picture shows it.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    origin: DVec3,
+    right: DVec3,
+    up: DVec3,
+}
+
+/// A box in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Frame {
+    min: DVec2,
+    max: DVec2,
+}
+
+/// Sine of an angle below which directions count as parallel.
+const PARALLEL: f64 = 1e-6;
+/// Around the hole, a frame shows this many photon spheres' radii at least.
+const AROUND_HOLE: f64 = 5.0;
+/// … and this part of the distance between the hole and the start of the fan.
+const BESIDE_HOLE: f64 = 0.4;
+/// Room around what must be seen, relative to its larger side.
+const ROOM: f64 = 0.05;
+/// Smaller side of a frame, relative to the larger one, at least.
+const SLIMMEST: f64 = 0.45;
+/// Largest width and height of the chart, points.
+const CHART: [f64; 2] = [880.0, 620.0];
+/// Corners of the polygon that stands for a circle.
+const CORNERS: u32 = 256;
+
+impl Fan {
+    /// Traces the fan.
+    ///
+    /// # Errors
+    /// If no rays can start so.
+    pub fn trace(scene: &Baked, options: &FanOptions) -> Result<Self, FanError> {
+        let camera = &scene.camera;
+        let hole = match scene.spacetime {
+            SpacetimeKind::Flat => None,
+            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
+                Some((center, Schwarzschild::new(schwarzschild_radius)))
+            }
+        };
+        let start = options.from.unwrap_or(camera.position);
+        if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
+            return Err(FanError::InsideHorizon);
+        }
+        let in_plane = hole.map(|(center, _)| center - start).unwrap_or(camera.forward).normalize();
+        let middle = if options.from.is_some() { in_plane } else { camera.forward };
+        let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
+        let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
+        let view = View { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
+
+        let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
+        let angle = options.angle.unwrap_or(2.0 * half_width.atan());
+        let near = if options.from.is_some() { 0.0 } else { camera.near };
+        let rays: Option<Vec<Ray>> = directions(angle, options.count)
+            .map(|direction| {
+                let direction = direction.x * view.right + direction.y * view.up;
+                let forward = direction.dot(camera.forward);
+                let clear = near == 0.0 || forward > PARALLEL;
+                let position = if near > 0.0 { start + near / forward * direction } else { start };
+                clear.then_some(Ray { position, direction, leaves: PrimitiveId::NONE })
+            })
+            .collect();
+        let rays = rays.ok_or(FanError::BehindNearPlane)?;
+        let cuts = scene.geometry.cut(&Plane { point: view.origin, normal });
+        Ok(Self { trails: trails(scene, &rays), hole, cuts, view })
+    }
+
+    /// How many rays there are of each fate that occurs, by name.
+    pub fn fates(&self) -> Vec<(&'static str, usize)> {
+        let count = |fate: Fate| self.trails.iter().filter(|trail| Fate::of(&trail.end) == fate).count();
+        let counts = Fate::ALL.map(|fate| (fate.name(), count(fate)));
+        counts.into_iter().filter(|(_, count)| *count > 0).collect()
+    }
+
+    /// Writes the rays as rows of ray, point, world position and fate.
+    ///
+    /// # Errors
+    /// What `out` reports.
+    pub fn write_csv(&self, mut out: impl Write) -> io::Result<()> {
+        let reach = self.frame().reach();
+        writeln!(out, "ray,point,x,y,z,fate")?;
+        for (ray, trail) in self.trails.iter().enumerate() {
+            let fate = Fate::of(&trail.end).name();
+            for (point, DVec3 { x, y, z }) in drawn(trail, reach).into_iter().enumerate() {
+                writeln!(out, "{ray},{point},{x},{y},{z},{fate}")?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The picture.
+    pub fn figure(&self, title: &str) -> Figure {
+        let frame = self.frame();
+        let mut series = vec![Series {
+            name: if self.cuts.is_empty() { String::new() } else { "geometry".to_owned() },
+            style: Style::line(Color::GREY, 3.0),
+            curves: self.cuts.iter().filter_map(|cut| self.view.outline(cut, &frame)).collect(),
+        }];
+        for fate in Fate::ALL {
+            let rays: Vec<&Trail> = self.trails.iter().filter(|trail| Fate::of(&trail.end) == fate).collect();
+            if rays.is_empty() {
+                continue;
+            }
+            let curve =
+                |trail: &&Trail| drawn(trail, frame.reach()).iter().map(|&p| self.view.place(p)).collect();
+            series.push(Series {
+                name: format!("{} ({})", fate.name(), rays.len()),
+                style: Style::line(color(fate), 1.6),
+                curves: rays.iter().map(curve).collect(),
+            });
+        }
+        if let Some((_, medium)) = self.hole {
+            let circle = |radius: f64| vec![circle(DVec2::ZERO, radius, 0.0, PI)];
+            series.push(Series {
+                name: "photon sphere".to_owned(),
+                style: Style::dashed(Color::BLACK, 1.6),
+                curves: circle(medium.photon_sphere()),
+            });
+            series.push(Series {
+                name: "horizon".to_owned(),
+                style: Style::area(Color::BLACK),
+                curves: circle(medium.horizon()),
+            });
+        }
+        let origin = if self.hole.is_some() { "the hole" } else { "the start" };
+        let Frame { min, max } = frame;
+        let side = max - min;
+        let scale = (CHART[0] / side.x).min(CHART[1] / side.y);
+        Figure {
+            charts: vec![Chart {
+                title: title.to_owned(),
+                x: Axis::linear(format!("from {origin} along the view (scene units)"), [min.x, max.x]),
+                y: Axis::linear("across (scene units)", [min.y, max.y]),
+                size: [scale * side.x, scale * side.y],
+                series,
+            }],
+        }
+    }
+
+    /// What the picture shows: where rays start and end, and the hole; or the geometry; or a piece of a straight ray.
+    fn frame(&self) -> Frame {
+        let mut frame = Frame::NOTHING;
+        for trail in &self.trails {
+            let seen = if matches!(trail.end, Outcome::Landed(_)) { trail.points.len() } else { 1 };
+            trail.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
+        }
+        if let (Some((_, medium)), Some(trail)) = (self.hole, self.trails.first()) {
+            let distance = DVec2::from(self.view.place(trail.points[0])).length();
+            frame.hold(DVec2::ZERO, (AROUND_HOLE * medium.photon_sphere()).max(BESIDE_HOLE * distance));
+        }
+        if frame.reach() == 0.0 {
+            for cut in &self.cuts {
+                match *cut {
+                    Cut::Line(ends) => {
+                        ends.into_iter().for_each(|end| frame.hold(self.view.place(end).into(), 0.0))
+                    }
+                    Cut::Circle { center, radius } => frame.hold(self.view.place(center).into(), radius),
+                }
+            }
+        }
+        if frame.reach() == 0.0 {
+            frame.hold(frame.min + DVec2::X, 0.0);
+        }
+        frame.roomy()
+    }
+}
+
+/// The unit normal of the plane that holds `in_plane` and, without `up`, `middle`.
+fn normal(up: Option<DVec3>, in_plane: DVec3, middle: DVec3, camera_up: DVec3) -> Option<DVec3> {
+    let beside = |up: DVec3| {
+        let across = up.normalize_or_zero().reject_from_normalized(in_plane);
+        (across.length() > PARALLEL).then(|| across.normalize())
+    };
+    if up.is_some() {
+        return up.and_then(beside);
+    }
+    let tilted = middle.cross(in_plane);
+    let normal = if tilted.length() > PARALLEL { tilted.normalize() } else { beside(camera_up)? };
+    // Up in the image is up in the picture.
+    Some(if normal.cross(in_plane).dot(camera_up) < -PARALLEL { -normal } else { normal })
+}
+
+/// Unit directions evenly over `angle` around +X.
+fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
+    (0..count).map(move |index| {
+        let s = if count > 1 { f64::from(index) / f64::from(count - 1) - 0.5 } else { 0.0 };
+        DVec2::from_angle(s * angle)
+    })
+}
+
+/// The points of a trail, and for an escaped one a point `reach` beyond the last.
+fn drawn(trail: &Trail, reach: f64) -> Vec<DVec3> {
+    let mut points = trail.points.clone();
+    if let (Outcome::Escaped(direction), Some(&last)) = (trail.end, points.last()) {
+        points.push(last + reach * direction);
+    }
+    points
+}
+
+/// A circle between two angles either side of `middle`, as a polygon.
+fn circle(center: DVec2, radius: f64, middle: f64, half: f64) -> Vec<[f64; 2]> {
+    let angle = |i: u32| middle + half * (2.0 * f64::from(i) / f64::from(CORNERS) - 1.0);
+    (0..=CORNERS).map(|i| (center + radius * DVec2::from_angle(angle(i))).into()).collect()
+}
+
+impl View {
+    fn place(&self, point: DVec3) -> [f64; 2] {
+        let from = point - self.origin;
+        [from.dot(self.right), from.dot(self.up)]
+    }
+
+    /// The part of a cut that the frame may show.
+    fn outline(&self, cut: &Cut, frame: &Frame) -> Option<Vec<[f64; 2]>> {
+        match *cut {
+            Cut::Line(ends) => {
+                let [a, b] = ends.map(|end| self.place(end));
+                let (low, high) = (DVec2::from(a).min(b.into()), DVec2::from(a).max(b.into()));
+                let seen = low.cmple(frame.max).all() && high.cmpge(frame.min).all();
+                seen.then(|| vec![a, b])
+            }
+            Cut::Circle { center, radius } => {
+                // The circle meets the disc around the frame within this angle: walls may be huge spheres.
+                let center = DVec2::from(self.place(center));
+                let to_frame = 0.5 * (frame.min + frame.max) - center;
+                let (distance, reach) = (to_frame.length(), 0.5 * frame.reach());
+                let cosine =
+                    (distance * distance + radius * radius - reach * reach) / (2.0 * distance * radius);
+                let half = if cosine.is_nan() { PI } else { cosine.clamp(-1.0, 1.0).acos() };
+                (half > 0.0).then(|| circle(center, radius, to_frame.to_angle(), half))
+            }
+        }
+    }
+}
+
+impl Frame {
+    const NOTHING: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
+
+    /// Takes in a disc.
+    fn hold(&mut self, center: DVec2, radius: f64) {
+        self.min = self.min.min(center - radius);
+        self.max = self.max.max(center + radius);
+    }
+
+    /// Its diagonal.
+    fn reach(&self) -> f64 {
+        self.min.distance(self.max)
+    }
+
+    /// Widened to have a margin and not be slim.
+    fn roomy(self) -> Self {
+        let middle = 0.5 * (self.min + self.max);
+        let half = 0.5 * (self.max - self.min);
+        let longer = half.max_element();
+        let half = (half + ROOM * longer).max(DVec2::splat(SLIMMEST * longer));
+        Self { min: middle - half, max: middle + half }
+    }
+}
+
+/// The colour of rays that end so.
+fn color(fate: Fate) -> Color {
+    match fate {
+        Fate::Hit => Color::BLUE,
+        Fate::Escaped => Color::GREEN,
+        Fate::Captured => Color::VERMILION,
+        Fate::StepLimit | Fate::NonFinite => Color::PURPLE,
+    }
+}

@@ -1,0 +1,90 @@
+//! The paths of single rays, for those who want to see them.
+
+use std::convert::Infallible;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::shoot::Ray;
+use super::stages::intersect::intersect;
+use super::stats::Counters;
+use super::transport::{Errand, Outcome, Transport};
+use super::with_transport_to;
+use crate::geometry::{Geometry, Segment};
+use crate::scene::{Baked, StepperKind};
+
+/// A ray's path and its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trail {
+    /// World points from the start to the end; an escaped ray goes on beyond the last, in its direction at infinity.
+    pub points: Vec<DVec3>,
+    /// How it ended; never flying.
+    pub end: Outcome<Infallible>,
+}
+
+/// How far a trail may cut a corner, relative to the move.
+const CUT_CORNER: f64 = 2e-5;
+/// Most points along a move.
+const MOST_POINTS: f64 = 48.0;
+
+/// Follows `rays` through `scene` as [`shoot`](super::shoot) does, but falling ones down to the horizon, on all
+/// threads.
+pub fn trails(scene: &Baked, rays: &[Ray]) -> Vec<Trail> {
+    // Steps of the paper's length jump over the horizon.
+    let core = if scene.settings.stepper == StepperKind::Rk4Paper { f64::INFINITY } else { 0.0 };
+    with_transport_to(scene, core, Trailing { geometry: &scene.geometry, rays })
+}
+
+struct Trailing<'a> {
+    geometry: &'a Geometry,
+    rays: &'a [Ray],
+}
+
+impl Errand for Trailing<'_> {
+    type Output = Vec<Trail>;
+
+    fn run<T: Transport>(self, transport: &T) -> Vec<Trail> {
+        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray)).collect()
+    }
+}
+
+fn follow<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
+    let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
+    let mut points = vec![ray.position];
+    loop {
+        let step = transport.advance(&flight);
+        let found = intersect(transport, geometry, &flight, &step, &mut Counters::default());
+        let outcome = transport.settle(geometry, &flight, &step, found);
+        let landing = if let Outcome::Landed(landing) = outcome { Some(landing.position) } else { None };
+        // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
+        let taken = landing.is_some() || found.is_none();
+        if let Some(course) = transport.course(&flight, &step).filter(|_| taken) {
+            extend(&mut points, &course, landing);
+        }
+        let end = match outcome {
+            Outcome::Flying(next) => {
+                flight = next;
+                continue;
+            }
+            Outcome::Landed(landing) => Outcome::Landed(landing),
+            Outcome::Escaped(direction) => Outcome::Escaped(direction),
+            Outcome::Captured => Outcome::Captured,
+            Outcome::StepLimit => Outcome::StepLimit,
+            Outcome::NonFinite => Outcome::NonFinite,
+        };
+        return Trail { points, end };
+    }
+}
+
+/// Adds the points of `course` after its start, up to `landing` if given; none that is not finite.
+fn extend(points: &mut Vec<DVec3>, course: &impl Segment, landing: Option<DVec3>) {
+    let chord = course.chord();
+    let along = chord.end - chord.start;
+    // The sagitta falls with the square of the number of pieces.
+    let count = (chord.sagitta / (CUT_CORNER * along.length())).sqrt().ceil().clamp(1.0, MOST_POINTS);
+    let course = (1..=count as u32).map(|i| course.point(f64::from(i) / count));
+    // No course turns by more than a right angle: points advance along its chord.
+    let before = |point: &DVec3| landing.is_none_or(|landing| (landing - point).dot(along) > 0.0);
+    points.extend(course.filter(|point| point.is_finite()).take_while(before));
+    points.extend(landing);
+}
