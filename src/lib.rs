@@ -21,6 +21,11 @@
 //! | `p` | momentum dx/dσ, with \|p\| = n on a null ray (energy 1) |
 //! | `sigma` | ray parameter: dσ = dl/n, dl coordinate length; coordinate time dt = n² dσ |
 //! | `b` | impact parameter \|L\|/E = \|x × p\| |
+//! | `w` | inverse radius 1/ρ |
+//! | `psi` | orbit parameter: dψ = dσ/ρ², in which the swept angle is bψ |
+//! | `v` | dw/dψ, minus the radial momentum |
+//! | `xi` | parameter of one step: ξ = tan(bψ)/b from its start |
+//! | `g`, `pull` | ½ d(n²)/dw |
 //! | `r_s` | Schwarzschild radius |
 //!
 //! # Module map

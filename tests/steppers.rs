@@ -155,9 +155,9 @@ fn every_estimate_falls_with_the_order_that_is_claimed_for_it() {
     });
 }
 
-/// The order of the estimate itself: it may count times the length of the step.
+/// The order of the estimate itself: it counts times the length of the step.
 fn estimate_order<S: Stepper>(_: &S) -> f64 {
-    f64::from(S::ESTIMATE.order - u32::from(S::ESTIMATE.slow))
+    f64::from(S::ESTIMATE.order - 1)
 }
 
 /// Lengths of single steps whose errors are above rounding.

@@ -95,9 +95,9 @@ impl<R: Real> Control<R> {
     /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
     #[inline(always)]
     pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> Verdict<R> {
-        let Estimate { embedded, slow, undone, .. } = S::ESTIMATE;
+        let Estimate { embedded, undone, .. } = S::ESTIMATE;
         let share = (step.sin + R::of(LEAST_SWEEP)) * self.tolerance * R::of(1.0 / SWEEP);
-        let own = if slow { step.embedded * step.h * self.rate(step.b, &step.start) } else { step.embedded };
+        let own = step.embedded * step.h * self.rate(step.b, &step.start);
         let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
         // The sum, unlike the larger, keeps the NaN of a step that left the chart, and NaN is never accepted.
         let error = estimate / share
@@ -118,20 +118,17 @@ impl<R: Real> Control<R> {
     #[inline(always)]
     pub fn is_stuck(&self, h: R, b: R, phase: &Phase<R>) -> bool {
         let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
-        // Not so for NaN, which nothing sets free.
-        !(h * n > R::of(STUCK * R::EPSILON) * phase.w)
+        h * n <= R::of(STUCK * R::EPSILON) * phase.w || h.value().is_nan()
     }
 
     /// The way on for a ray that is stuck beside the circular ray: so close to it that rounding has taken it to the
     /// wrong branch, it turns if it must not cross the photon sphere, and crosses if it must not turn.
     pub fn set_free<M: ConformallyFlat>(&self, medium: &M, b: R, phase: &Phase<R>) -> Option<Phase<R>> {
         let away = self.photon_sphere - phase.w;
-        if !(away.abs() < R::of(BESIDE * R::EPSILON.sqrt()) * self.photon_sphere) {
-            return None;
-        }
+        let beside = away.abs() < R::of(BESIDE * R::EPSILON.sqrt()) * self.photon_sphere;
         let (w, v) =
             if b > self.critical { (phase.w, R::of(0.0)) } else { (self.photon_sphere + away, phase.v) };
-        Some(Phase::new(medium, w, v))
+        beside.then(|| Phase::new(medium, w, v))
     }
 
     /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.

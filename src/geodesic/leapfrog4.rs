@@ -20,7 +20,7 @@ const CURVED: [f64; 6] = [1.0, -1.0, 0.0, 0.0, -1.0, 1.0];
 
 impl Stepper for Leapfrog4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 0.02, slow: true, undone: 12.0 };
+    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 0.02, undone: 12.0 };
 
     /// There is no second solution to compare with: the error is estimated by what the step violates of the constraint,
     /// which in a weak field may vanish by chance, and by how much the force curves, O(h⁴) in the position.

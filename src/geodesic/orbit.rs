@@ -93,9 +93,6 @@ const CLOSEST: f64 = 64.0;
 /// Rounding of w′² + b² w² − n², relative to the terms and to that of one operation.
 const ROUNDING: f64 = 16.0;
 
-/// Logarithmic slope of the index up to which a field is weak.
-const WEAK: f64 = 0.01;
-
 impl Launch {
     /// The orbit of a ray that starts at `x`, relative to the centre and not 0, in the direction `d`, not 0 and of any
     /// length.
@@ -106,7 +103,7 @@ impl Launch {
     pub fn new<M: ConformallyFlat>(medium: &M, x: DVec3, d: DVec3, epsilon: f64) -> Self {
         let (rho, length) = (x.length(), d.length());
         let radial = x / rho;
-        let spin = exact::cross(x / rho, d / length);
+        let spin = exact::cross(x, d) / (rho * length);
         let sine = spin.length();
         let along = if sine > 0.0 { (spin / sine).cross(radial) } else { frame::tangents(radial).0 };
         let w = 1.0 / rho;
@@ -185,13 +182,11 @@ impl<R: Real> Step<R> {
         let n = n2.sqrt();
         let angle = |w_error: R, v_error: R| b * (w_error.abs() * n + v_error.abs() * w.abs()) / n2;
         let v_error = trial.velocity_error / c;
-        // What may be rounding is no error: near the circular ray, where both slopes vanish, it would look like one, and
-        // near the horizon that of w does.
+        // What may be rounding counts neither as an error, which it would look like near the circular ray, where both slopes
+        // vanish, nor as a way, which would move rays about far from the centre. Near the horizon it is that of w.
         let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
         let known = (excess.abs() - rounding).at_least(R::of(0.0));
-        // Far from the centre undoing it would move the ray about; elsewhere it would grow towards the circular ray.
-        let beyond = if excess > R::of(0.0) { known } else { -known };
-        let undo = if pull.abs() * w < R::of(WEAK) * n2 { beyond } else { excess };
+        let undo = if excess > R::of(0.0) { known } else { -known };
         let sin = b * h * c;
         // 1 − cos = sin²/(1 + cos).
         let gain = trial.gain * c - start.w * (sin * sin / (one + c)) - undo * across_w;
@@ -199,7 +194,7 @@ impl<R: Real> Step<R> {
             b,
             start,
             gain,
-            end: Phase { w: w - undo * across_w, v: v - undo * across_v, pull },
+            end: Phase { w: w - excess * across_w, v: v - excess * across_v, pull },
             h,
             cos: c,
             sin,

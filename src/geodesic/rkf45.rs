@@ -35,7 +35,7 @@ const TABLEAU: RungeKutta<7> = RungeKutta {
 
 impl Stepper for Rkf45 {
     const ORDER: u32 = 5;
-    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 5.0, slow: true, undone: 0.0 };
+    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 5.0, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {

@@ -25,7 +25,7 @@ const TABLEAU: Nystrom<4> = Nystrom {
 
 impl Stepper for Rkn4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 1.0, slow: true, undone: 10.0 };
+    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 1.0, undone: 10.0 };
 
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {

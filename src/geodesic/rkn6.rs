@@ -71,7 +71,7 @@ const TABLEAU: Nystrom<6> = Nystrom {
 
 impl Stepper for Rkn6 {
     const ORDER: u32 = 6;
-    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 0.008, slow: true, undone: 0.0 };
+    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 0.008, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {

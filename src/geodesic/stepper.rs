@@ -23,10 +23,8 @@ pub struct Trial<R> {
 pub struct Estimate {
     /// Power of the step length with which the estimate falls.
     pub order: u32,
-    /// Factor on the stepper's own estimate.
+    /// Factor on the stepper's own estimate times the step's relative length: it falls one order slower than the error.
     pub embedded: f64,
-    /// Whether that falls one order slower than the error, and so counts times the step's relative length.
-    pub slow: bool,
     /// Factor on the error across the orbit.
     pub undone: f64,
 }

@@ -229,7 +229,6 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
                 break;
             }
         }
-        let near = (0.0..=1.0).contains(&s) && position.distance(point) <= 8.0 * self.arc_tolerance;
         let direction = direction.normalize();
         let moved = position.distance(point);
         if (0.0..=1.0).contains(&s) && moved <= 8.0 * self.arc_tolerance {
