@@ -9,8 +9,10 @@ use clap::{Args, Parser, Subcommand};
 use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
+use super::trace::Spacetime;
 use crate::film::Aov;
 use crate::scene::{Filter, Precision, SamplerKind, Schedule, Settings, StepperKind};
+use crate::study::free::Accuracy;
 use crate::trace::Run;
 
 /// A path tracer for real scenes in warped spacetime.
@@ -34,6 +36,8 @@ pub(super) enum Command {
     Rays(RaysArgs),
     /// Measure errors and speed of steppers and tolerances on a scene
     Study(StudyArgs),
+    /// Follow the rays of a CSV file through empty space around a hole
+    Trace(TraceArgs),
 }
 
 /// Arguments of `render`.
@@ -155,6 +159,51 @@ pub(super) struct StudyArgs {
     /// Worker threads; 0 means one per core
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     pub(super) threads: usize,
+}
+
+/// Arguments of `trace`.
+#[derive(Debug, Args)]
+pub(super) struct TraceArgs {
+    /// CSV file with a ray per row
+    #[arg(value_name = "RAYS.csv")]
+    pub(super) rays: PathBuf,
+    /// Spacetime that the rays are in
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub(super) spacetime: Spacetime,
+    /// CSV file to write [default: standard output]
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub(super) output: Option<PathBuf>,
+    /// Preset of --stepper and --tolerance
+    #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
+    quality: Quality,
+    /// How rays are advanced through curved space
+    #[arg(long, value_enum, value_name = "NAME")]
+    stepper: Option<StepperKind>,
+    /// Numbers that orbits are followed in
+    #[arg(long, value_enum, value_name = "NAME", default_value = "f64")]
+    precision: Precision,
+    /// Largest error of a ray's direction, radians at its start
+    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// Worker threads; 0 means one per core
+    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
+    pub(super) threads: usize,
+    /// Exit with 1 if a ray was lost: out of steps, or to numbers that are not finite
+    #[arg(long)]
+    pub(super) strict: bool,
+}
+
+impl TraceArgs {
+    /// The preset, and the single flags over it.
+    pub(super) fn accuracy(&self) -> Accuracy {
+        let mut settings = Settings::default();
+        self.quality.apply(&mut settings);
+        Accuracy {
+            stepper: self.stepper.unwrap_or(settings.stepper),
+            tolerance: self.tolerance.unwrap_or(settings.tolerance),
+            precision: self.precision,
+        }
+    }
 }
 
 /// Which scene, and what is changed in it.

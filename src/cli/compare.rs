@@ -1,7 +1,6 @@
 //! `warpfront compare`.
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 
 use serde::Serialize;
@@ -9,6 +8,7 @@ use serde::Serialize;
 use super::args::CompareArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::outputs::same_file;
 use super::units::{plural, significant};
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;
@@ -57,9 +57,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
 
 /// Refuses an output that would replace a picture to compare.
 fn spare_inputs(output: &Path, inputs: [&Path; 2]) -> Result<(), Failure> {
-    let there = fs::canonicalize(output).ok();
-    let taken = |input: &Path| there.is_some() && there == fs::canonicalize(input).ok();
-    if inputs.into_iter().any(taken) {
+    if inputs.into_iter().any(|input| same_file(output, input)) {
         let message = format!("`{}` is one of the pictures to compare", output.display());
         return Err(Failure::new(message).help("name another file for the difference"));
     }

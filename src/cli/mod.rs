@@ -16,6 +16,7 @@ mod render;
 mod stages;
 mod study;
 mod summary;
+mod trace;
 mod units;
 
 use std::fmt::Display;
@@ -54,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(args),
         Command::Rays(args) => rays::run(args),
         Command::Study(args) => study::run(args),
+        Command::Trace(args) => trace::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

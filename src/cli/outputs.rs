@@ -1,5 +1,6 @@
 //! The files of one render, opened before it and written after it.
 
+use std::fs;
 use std::io::Write;
 use std::path::Path;
 
@@ -17,6 +18,12 @@ pub(super) struct Outputs {
     exr: Output,
     png: Option<Output>,
     stats: Option<Output>,
+}
+
+/// Whether both paths lead to the same file, which exists.
+pub(super) fn same_file(a: &Path, b: &Path) -> bool {
+    let there = |path| fs::canonicalize(path).ok();
+    there(a).is_some_and(|a| Some(a) == there(b))
 }
 
 /// What `--stats` writes.

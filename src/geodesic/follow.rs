@@ -92,7 +92,9 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
                 return Journey { end: End::Falls, ..journey };
             }
         } else if !inwards && step.end.w <= out {
-            let exit = cut(&|step| (step.end.w - out, step.end.v * step.cos * step.cos));
+            let mut exit = cut(&|step| (step.end.w - out, step.end.v * step.cos * step.cos));
+            // Beside a far sphere's inverse radius the rounding of the step is not small.
+            exit.end.w = out;
             phase = take(&exit, &mut swept);
             return Journey { end: End::Crosses(phase, swept), ..journey };
         } else {

@@ -13,6 +13,7 @@ mod rkf45;
 mod rkn4;
 mod rkn6;
 mod stepper;
+mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};
@@ -27,3 +28,4 @@ pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
 pub use stepper::{Estimate, Stepper, Trial};
+pub use time::elapsed;

@@ -3,6 +3,7 @@
 pub mod compare;
 mod fan;
 mod fate;
+pub mod free;
 pub mod noise;
 pub mod pareto;
 pub mod report;

@@ -1,0 +1,519 @@
+//! Rays followed where nothing is in the way, from any start to a sphere around the centre of the spacetime.
+
+use glam::DVec3;
+
+use crate::geodesic::{
+    Control, Dop853, Dopri5, End, Launch, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Stepper, elapsed, follow,
+};
+use crate::math::dual::Dual;
+use crate::math::exact;
+use crate::math::real::Real;
+use crate::scene::{Precision, SpacetimeKind, StepperKind};
+use crate::spacetime::{ConformallyFlat, Fate, Schwarzschild};
+
+/// A ray to be followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FreeRay {
+    /// Where it starts, in the chart.
+    pub start: DVec3,
+    /// Where it goes; of any length.
+    pub direction: DVec3,
+    /// Isotropic radius of the sphere on which it is to arrive, outwards.
+    pub r_out: f64,
+}
+
+/// How exactly rays are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Any but the paper's, which knows neither orbits nor tolerances.
+    pub stepper: StepperKind,
+    /// Largest error of a ray's direction, all its steps together, radians at its start.
+    pub tolerance: f64,
+    /// Numbers that the orbit is followed in.
+    pub precision: Precision,
+}
+
+/// How a ray ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It crossed the sphere outwards.
+    Escaped,
+    /// It falls through the horizon before.
+    Captured,
+    /// It leaves to infinity without ever crossing the sphere outwards.
+    Missed,
+    /// It took more steps than allowed.
+    StepLimit,
+    /// Its state is no longer finite.
+    NonFinite,
+}
+
+impl Status {
+    /// All, in order.
+    pub const ALL: [Self; 5] =
+        [Self::Escaped, Self::Captured, Self::Missed, Self::StepLimit, Self::NonFinite];
+
+    /// As tables have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Escaped => "escaped",
+            Status::Captured => "captured",
+            Status::Missed => "missed",
+            Status::StepLimit => "step-limit",
+            Status::NonFinite => "non-finite",
+        }
+    }
+
+    /// Whether numbers failed, and not the ray.
+    pub fn is_lost(self) -> bool {
+        matches!(self, Status::StepLimit | Status::NonFinite)
+    }
+}
+
+/// A ray, followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exit {
+    /// How it ended.
+    pub status: Status,
+    /// Where it crossed the sphere, if it escaped.
+    pub crossing: Option<Crossing>,
+    /// Impact parameter L/E, a length.
+    pub b: f64,
+    /// Distance from the critical impact parameter, relative to that, if there is one.
+    pub eps: Option<f64>,
+    /// Isotropic radius of the point nearest to the centre, if the ray passed one.
+    pub r_min: Option<f64>,
+    /// Steps tried.
+    pub steps: u32,
+}
+
+/// The state in which a ray crosses its sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Where, in the chart.
+    pub position: DVec3,
+    /// Unit direction of travel.
+    pub direction: DVec3,
+    /// Coordinate time since the start, in the unit of length.
+    pub time: f64,
+    /// Angle swept about the centre, radians.
+    pub swept: f64,
+    /// Radians at the end, of position as seen from the centre or of direction, per radian of the starting direction
+    /// in the orbit's plane; at least 1.
+    pub sens: f64,
+    /// (|p|² − n²)/n² there.
+    pub drift_h: f64,
+    /// Change of |x × p| from start to end, of the states as they are in the chart, relative to b; none if that is 0.
+    pub drift_l: Option<f64>,
+}
+
+/// Why a ray cannot be followed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{cause}")]
+pub struct Fault {
+    /// What is at fault.
+    pub input: Input,
+    /// What is wrong with it.
+    pub cause: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+/// Something that describes a ray and how it is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// The Schwarzschild radius.
+    SchwarzschildRadius,
+    /// The point where the ray starts.
+    Start,
+    /// Its direction.
+    Direction,
+    /// The radius of the sphere.
+    Sphere,
+    /// The stepper.
+    Stepper,
+}
+
+/// Distance from the sphere, relative to its radius, at which a start counts as on it.
+const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
+
+/// Follows `ray` until it crosses its sphere outwards. A start on the sphere, to rounding, moving outwards crosses it
+/// there.
+///
+/// # Errors
+/// If there is no such ray, or the stepper is the paper's.
+pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, Fault> {
+    let lengths = Lengths::of(accuracy.precision);
+    lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
+    lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
+    match spacetime {
+        SpacetimeKind::Flat => straight(lengths.start(ray, DVec3::ZERO)?, DVec3::ZERO, ray),
+        SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
+            let x = lengths.start(ray, center)?;
+            if schwarzschild_radius == 0.0 {
+                return straight(x, center, ray);
+            }
+            lengths
+                .check(Input::SchwarzschildRadius, "the Schwarzschild radius", schwarzschild_radius)
+                .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })?;
+            curved(&Schwarzschild::new(schwarzschild_radius), x, center, ray, accuracy)
+        }
+    }
+}
+
+impl Accuracy {
+    /// Whether there is a stepper for orbits.
+    ///
+    /// # Errors
+    /// If the stepper is the paper's.
+    pub fn check(&self) -> Result<(), Fault> {
+        if self.stepper == StepperKind::Rk4Paper { Err(no_orbits()) } else { Ok(()) }
+    }
+}
+
+fn no_orbits() -> Fault {
+    Fault {
+        input: Input::Stepper,
+        cause: "the stepper rk4-paper knows no tolerance and runs in renders only".to_owned(),
+        remedy: "take another stepper, such as rkn6 or dop853".to_owned(),
+    }
+}
+
+/// Lengths whose products with each other have squares that are numbers.
+struct Lengths {
+    least: f64,
+    most: f64,
+}
+
+impl Lengths {
+    fn of(precision: Precision) -> Self {
+        match precision {
+            Precision::F32 => Self { least: 1e-15, most: 1e15 },
+            Precision::F64 => Self { least: 1e-70, most: 1e70 },
+        }
+    }
+
+    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), Fault> {
+        let Self { least, most } = *self;
+        if (least..=most).contains(&length) {
+            return Ok(());
+        }
+        let remedy = format!("give a length above 0, from {least:e} to {most:e}");
+        Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+    }
+
+    /// The start of `ray` relative to `center`.
+    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, Fault> {
+        let x = ray.start - center;
+        self.check(Input::Start, "the distance of the start from the centre", x.length())?;
+        Ok(x)
+    }
+}
+
+/// Follows a ray around `medium`, from `x` relative to its centre.
+fn curved<M: ConformallyFlat>(
+    medium: &M,
+    x: DVec3,
+    center: DVec3,
+    ray: &FreeRay,
+    accuracy: &Accuracy,
+) -> Result<Exit, Fault> {
+    let epsilon = match accuracy.precision {
+        Precision::F32 => f32::EPSILON.into(),
+        Precision::F64 => f64::EPSILON,
+    };
+    let (rho, horizon) = (x.length(), medium.horizon());
+    // As near to the horizon as a few roundings, the index is anything.
+    if rho <= horizon * (1.0 + 4.0 * epsilon) {
+        return Err(Fault {
+            input: Input::Start,
+            cause: format!("the ray starts at the isotropic radius {rho}, but the horizon is at {horizon}"),
+            remedy: "start outside the horizon; the isotropic radius is not the areal one".to_owned(),
+        });
+    }
+    let orbit = Orbit { medium, center, x, ray, launch: Launch::new(medium, x, ray.direction, epsilon) };
+    match accuracy.stepper {
+        StepperKind::Rkn6 => Ok(orbit.exit(&Rkn6, accuracy)),
+        StepperKind::Dop853 => Ok(orbit.exit(&Dop853, accuracy)),
+        StepperKind::Dopri5 => Ok(orbit.exit(&Dopri5, accuracy)),
+        StepperKind::Rkf45 => Ok(orbit.exit(&Rkf45, accuracy)),
+        StepperKind::Rkn4 => Ok(orbit.exit(&Rkn4, accuracy)),
+        StepperKind::Rk4 => Ok(orbit.exit(&Rk4, accuracy)),
+        StepperKind::Leapfrog4 => Ok(orbit.exit(&Leapfrog4, accuracy)),
+        StepperKind::Rk4Paper => Err(no_orbits()),
+    }
+}
+
+/// A ray about to be followed.
+struct Orbit<'a, M> {
+    medium: &'a M,
+    center: DVec3,
+    /// Start, relative to the centre.
+    x: DVec3,
+    ray: &'a FreeRay,
+    launch: Launch,
+}
+
+impl<M: ConformallyFlat> Orbit<'_, M> {
+    fn exit(&self, stepper: &impl Stepper, accuracy: &Accuracy) -> Exit {
+        match accuracy.precision {
+            Precision::F32 => self.follow::<f32>(stepper, accuracy.tolerance),
+            Precision::F64 => self.follow::<f64>(stepper, accuracy.tolerance),
+        }
+    }
+
+    fn follow<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Exit {
+        let Self { medium, launch, .. } = self;
+        let dual = |value: f64, slope: f64| Dual { value: R::of(value), slope: R::of(slope) };
+        // With the angle α between direction and radius, b = n ρ sin α and v = −n cos α; slopes are d/dα.
+        let b = dual(launch.b, -launch.v / launch.w);
+        let start = Phase::new(*medium, dual(launch.w, 0.0), dual(launch.v, launch.b * launch.w));
+        let on_sphere = (launch.w * self.ray.r_out - 1.0).abs() <= ON_SPHERE;
+        let w_out = if on_sphere { launch.w } else { 1.0 / self.ray.r_out };
+        let control = Control::new(*medium, tolerance, f64::INFINITY);
+        let mut time = 0.0;
+        let journey = follow(*medium, stepper, &control, (b, start, launch.fate), w_out, |step| {
+            time += elapsed(*medium, stepper, step);
+        });
+        let (status, crossing) = match journey.end {
+            End::Crosses(phase, swept) => {
+                (Status::Escaped, Some(self.crossing(b, (phase, swept), w_out, time)))
+            }
+            End::Falls => (Status::Captured, None),
+            // It is beyond the sphere, but comes back.
+            End::Misses if launch.fate == Fate::Falls => (Status::Captured, None),
+            End::Misses => (Status::Missed, None),
+            End::StepLimit => (Status::StepLimit, None),
+            End::NonFinite => (Status::NonFinite, None),
+        };
+        let critical = medium.critical_impact_parameter();
+        Exit {
+            status,
+            crossing,
+            b: launch.b,
+            eps: (critical > 0.0).then(|| (launch.b - critical) / critical),
+            r_min: journey.periastron.map(|w| 1.0 / w.value()),
+            steps: journey.steps,
+        }
+    }
+
+    fn crossing<R: Real>(
+        &self,
+        b: Dual<R>,
+        (phase, swept): (Phase<Dual<R>>, Dual<R>),
+        w: f64,
+        time: f64,
+    ) -> Crossing {
+        let Self { medium, launch, .. } = self;
+        let (v, angle) = (phase.v.value(), swept.value());
+        let position = launch.position(w, angle);
+        let direction = launch.direction(w, v, angle);
+        // From the radius to the direction: the derivative of atan2(b w, −v).
+        let (across, outwards) = (b * phase.w, -phase.v);
+        let tilt = (outwards.value * across.slope - across.value * outwards.slope)
+            / (across.value.squared() + outwards.value.squared());
+        let (turn, tilt) = (swept.slope.value(), tilt.value());
+        let n2 = |x: DVec3| medium.index_squared(1.0 / x.length());
+        Crossing {
+            position: position + self.center,
+            direction,
+            time,
+            swept: angle,
+            sens: turn.abs().max((turn + tilt).abs()).max(1.0),
+            drift_h: (v * v + (launch.b / position.length()).powi(2)) / n2(position) - 1.0,
+            drift_l: drift_l(
+                n2(self.x).sqrt() * spin(self.x, self.ray.direction),
+                n2(position).sqrt() * spin(position, direction),
+            ),
+        }
+    }
+}
+
+/// |x × d|/|d|.
+fn spin(x: DVec3, d: DVec3) -> f64 {
+    exact::cross(x, d).length() / d.length()
+}
+
+/// Relative change of the angular momentum.
+fn drift_l(before: f64, after: f64) -> Option<f64> {
+    (before > 0.0).then(|| (after - before) / before)
+}
+
+/// Follows a ray in flat space from `x` relative to the centre of its sphere, in closed form.
+fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Result<Exit, Fault> {
+    let (rho, r_out) = (x.length(), ray.r_out);
+    let direction = ray.direction.normalize();
+    let b = spin(x, ray.direction);
+    // Way to the point nearest to the centre, backwards, and from there to the sphere.
+    let (along, half) = (x.dot(direction), ((r_out - b) * (r_out + b)).max(0.0).sqrt());
+    let way = if along > 0.0 { (r_out - rho) * (r_out + rho) / (along + half) } else { half - along };
+    let crosses = b <= r_out && way >= -ON_SPHERE * r_out;
+    let crossing = crosses.then(|| {
+        let way = way.max(0.0);
+        let position = x + way * direction;
+        Crossing {
+            position: position + center,
+            direction,
+            time: way,
+            swept: (b * way).atan2(rho * rho + way * along),
+            sens: (1.0 - along / half).abs().max(1.0),
+            drift_h: direction.length_squared() - 1.0,
+            drift_l: drift_l(b, spin(position, direction)),
+        }
+    });
+    let status = if crosses { Status::Escaped } else { Status::Missed };
+    Ok(Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOLE: SpacetimeKind =
+        SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 };
+    const ACCURACY: Accuracy =
+        Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-11, precision: Precision::F64 };
+
+    fn ray(start: [f64; 3], direction: [f64; 3], r_out: f64) -> FreeRay {
+        FreeRay { start: start.into(), direction: direction.into(), r_out }
+    }
+
+    fn exit(spacetime: SpacetimeKind, ray: FreeRay) -> Exit {
+        trace(spacetime, &ray, &ACCURACY).unwrap()
+    }
+
+    #[test]
+    fn the_status_tells_how_a_ray_meets_its_sphere() {
+        let cases = [
+            // Inside it, outside it, on it.
+            ([2.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
+            ([9.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Missed),
+            ([3.0, 4.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
+            // Past the hole: through the sphere, and beside it.
+            ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 5.0, Status::Escaped),
+            ([9.0, 0.0, 0.0], [-1.0, 2.0, 0.0], 5.0, Status::Missed),
+            ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0, Status::Captured),
+            // Within the photon sphere, turning back: before the sphere, beyond it, from beyond it.
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.9, Status::Captured),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.501, Status::Escaped),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, Status::Captured),
+        ];
+        for (start, direction, r_out, status) in cases {
+            let found = exit(HOLE, ray(start, direction, r_out));
+            assert_eq!(found.status, status, "{start:?} {direction:?} {r_out}: {found:?}");
+            assert_eq!(found.crossing.is_some(), status == Status::Escaped);
+            let expected =
+                if start[0] == 9.0 && direction[0] < 0.0 && status != Status::Captured { 1 } else { 0 };
+            assert_eq!(usize::from(found.r_min.is_some()), expected, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_start_on_the_sphere_moving_outwards_is_the_end() {
+        for precision in [Precision::F32, Precision::F64] {
+            let start = DVec3::new(0.3, -1.7, 2.2);
+            let ray = FreeRay { start, direction: DVec3::new(1.0, -3.0, 0.0), r_out: start.length() };
+            let accuracy = Accuracy { precision, ..ACCURACY };
+            for spacetime in [HOLE, SpacetimeKind::Flat] {
+                let end = trace(spacetime, &ray, &accuracy).unwrap().crossing.unwrap();
+                assert!(
+                    end.position.distance(start) < 1e-6 && end.time < 1e-6 && end.swept < 1e-6,
+                    "{end:?}"
+                );
+                assert!(end.direction.distance(ray.direction.normalize()) < 1e-6, "{end:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_is_the_limit_of_rays_around_a_small_hole() {
+        let small = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1e-13 };
+        let cases = [
+            ray([3.0, 1.0, -2.0], [0.1, 2.0, 0.3], 7.0),
+            ray([3.0, 1.0, -2.0], [-3.0, 0.5, 0.3], 7.0),
+            ray([3.0, 1.0, -12.0], [-0.3, 0.2, 1.3], 7.0),
+            ray([3.0, 1.0, -12.0], [3.3, 0.2, 1.3], 7.0),
+            ray([3.0, 1.0, -12.0], [-0.3, 0.2, -1.3], 7.0),
+        ];
+        for ray in cases {
+            let (line, orbit) = (exit(SpacetimeKind::Flat, ray), exit(small, ray));
+            assert_eq!(line.status, orbit.status);
+            let close =
+                |a: f64, b: f64| assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{line:?} {orbit:?}");
+            close(line.b, orbit.b);
+            assert_eq!(line.r_min.is_some(), orbit.r_min.is_some());
+            close(line.r_min.unwrap_or_default(), orbit.r_min.unwrap_or_default());
+            let (Some(a), Some(b)) = (line.crossing, orbit.crossing) else { continue };
+            assert!(a.position.distance(b.position) < 1e-11 && a.direction.distance(b.direction) < 1e-11);
+            close(a.time, b.time);
+            close(a.swept, b.swept);
+            close(a.sens, b.sens);
+        }
+    }
+
+    #[test]
+    fn a_hole_elsewhere_moves_the_ray_with_it() {
+        let center = DVec3::new(4.0, -8.0, 2.0);
+        let ray = ray([3.0, 1.0, -2.0], [-3.0, 2.5, 0.0], 7.0);
+        let there = SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 1.0 };
+        let moved = exit(there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
+        let here = exit(HOLE, ray).crossing.unwrap();
+        assert_eq!(moved, Crossing { position: here.position + center, ..here });
+    }
+
+    #[test]
+    fn sens_is_the_derivative_of_the_end() {
+        let ray = ray([6.0, 0.0, 0.0], [-1.0, 0.5, 0.0], 20.0);
+        let end = |turn: f64| {
+            let direction = DVec3::new(-1.0, 0.5, 0.0).rotate_z(turn);
+            exit(HOLE, FreeRay { direction, ..ray }).crossing.unwrap()
+        };
+        let (middle, before, after) = (end(0.0), end(-1e-6), end(1e-6));
+        let turned = before.position.angle_between(after.position) / 2e-6;
+        let bent = before.direction.angle_between(after.direction) / 2e-6;
+        assert!((middle.sens / turned.max(bent) - 1.0).abs() < 1e-4, "{} {turned} {bent}", middle.sens);
+    }
+
+    #[test]
+    fn what_is_no_ray_is_refused() {
+        let good = ray([3.0, 1.0, -2.0], [1.0, 0.0, 0.0], 7.0);
+        let far = DVec3::splat(1e200);
+        let cases = [
+            (FreeRay { direction: DVec3::ZERO, ..good }, Input::Direction),
+            (FreeRay { direction: DVec3::NAN, ..good }, Input::Direction),
+            (FreeRay { direction: far, ..good }, Input::Direction),
+            (FreeRay { start: DVec3::ZERO, ..good }, Input::Start),
+            (FreeRay { start: far, ..good }, Input::Start),
+            (FreeRay { start: DVec3::X * 0.25, ..good }, Input::Start),
+            (FreeRay { r_out: 0.0, ..good }, Input::Sphere),
+            (FreeRay { r_out: f64::NAN, ..good }, Input::Sphere),
+        ];
+        for (ray, input) in cases {
+            assert_eq!(trace(HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
+        }
+        let anti = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: -1.0 };
+        assert_eq!(trace(anti, &good, &ACCURACY).unwrap_err().input, Input::SchwarzschildRadius);
+        let paper = Accuracy { stepper: StepperKind::Rk4Paper, ..ACCURACY };
+        assert_eq!(trace(HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
+    }
+
+    #[test]
+    fn extreme_rays_end_somewhere_and_in_numbers() {
+        for (precision, huge) in [(Precision::F32, 1e15), (Precision::F64, 1e70)] {
+            let accuracy = Accuracy { precision, ..ACCURACY };
+            for start in [0.250_001, 0.3, 1.0, 1e8, huge] {
+                for direction in
+                    [[1.0, 0.0, 0.0], [-1.0, 1e-9, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0 / huge, 0.0]]
+                {
+                    for r_out in [1.0 / huge, 0.2, 1.0, huge] {
+                        let ray = ray([start, 0.0, 0.0], direction, r_out);
+                        let end = trace(HOLE, &ray, &accuracy).unwrap();
+                        let finite =
+                            end.crossing.is_none_or(|c| c.position.is_finite() && c.time.is_finite());
+                        assert!(finite, "{ray:?} {precision:?}: {end:?}");
+                    }
+                }
+            }
+        }
+    }
+}
