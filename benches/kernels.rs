@@ -22,17 +22,22 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
-use warpfront::geodesic::{Arc, Control, PaperRk4, Rkn4, Rkn5, Step, Stepper, fit_arc};
+use warpfront::geodesic::{
+    Arc, Control, Dop853, Dopri5, Launch, Leapfrog4, PaperRk4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper,
+    fit_arc,
+};
 use warpfront::geometry::{
     Geometry, Instance, Line, Mesh, PrimitiveId, Primitives, Segment, Sphere, Surface, Triangle,
 };
+use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
 
 /// Items of a sample: the timer's own cost vanishes beside them.
 const ITEMS: usize = 4096;
 /// A hole in the middle of the mesh, whose radius is about 1.
 const HOLE: f64 = 0.2;
-const CONTROL: Control = Control { tolerance: 1e-5, arc_tolerance: 1e-4, stride: 0.486 };
+/// What steps are held to.
+const TOLERANCES: (f64, f64) = (1e-5, 1e-4);
 
 fn main() {
     println!("{}", BENCH_SCENE.describe());
@@ -60,56 +65,95 @@ fn rays(count: usize) -> Vec<(DVec3, DVec3)> {
     (0..count).map(|_| ray()).collect()
 }
 
+/// First steps of rays, each in one loop over the arrays of a wave: (b, phase, h) in, the step out.
 mod steps {
     use super::*;
 
-    fn states() -> Vec<([DVec3; 3], f64)> {
+    type Start<R> = (R, Phase<R>, R);
+
+    fn starts<R: Real, S: Stepper>() -> Vec<Start<R>> {
         let medium = Schwarzschild::new(HOLE);
-        let state = |(x, direction): (DVec3, DVec3)| {
-            let p = medium.momentum(x, direction);
-            ([x, p, medium.force(x)], CONTROL.first_step(&Rkn5, &medium, x, p))
+        let control = Control::<R>::new(&medium, TOLERANCES.0, TOLERANCES.1);
+        let start = |(x, direction): (DVec3, DVec3)| {
+            let Launch { b, w, v, .. } = Launch::new(&medium, x, direction, R::EPSILON);
+            let (b, phase) = (R::of(b), Phase::new(&medium, R::of(w), R::of(v)));
+            (b, phase, control.first_step::<_, S>(&medium, b, &phase))
         };
-        rays(ITEMS).into_iter().map(state).collect()
+        rays(ITEMS).into_iter().map(start).collect()
     }
 
-    fn nystrom(bencher: Bencher, stepper: impl Stepper) {
-        let (medium, states) = (Schwarzschild::new(HOLE), states());
+    fn take<R: Real, S: Stepper>(bencher: Bencher, stepper: S) {
+        let (medium, starts) = (Schwarzschild::new(HOLE), starts::<R, S>());
+        let mut ends = vec![(Phase::<R>::default(), R::default()); ITEMS];
         bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
-            for (start, h) in &states {
-                black_box(stepper.step(&medium, black_box(*start), *h));
+            for (&(b, phase, h), end) in black_box(&starts).iter().zip(&mut ends) {
+                let step = Step::new(&medium, &stepper, b, phase, h);
+                *end = (step.end, step.embedded + step.undone);
             }
+            black_box(&ends);
         });
     }
 
-    #[divan::bench]
-    fn rkn4(bencher: Bencher) {
-        nystrom(bencher, Rkn4);
-    }
+    macro_rules! steppers {
+        ($($name:ident: $stepper:ident,)*) => {
+            $(mod $name {
+                use super::*;
 
-    #[divan::bench]
-    fn rkn5(bencher: Bencher) {
-        nystrom(bencher, Rkn5);
+                #[divan::bench]
+                fn single(bencher: Bencher) {
+                    take::<f32, _>(bencher, $stepper);
+                }
+
+                #[divan::bench]
+                fn double(bencher: Bencher) {
+                    take::<f64, _>(bencher, $stepper);
+                }
+            })*
+        };
+    }
+    steppers! {
+        rk4: Rk4,
+        rkn4: Rkn4,
+        leapfrog4: Leapfrog4,
+        rkf45: Rkf45,
+        dopri5: Dopri5,
+        rkn6: Rkn6,
+        dop853: Dop853,
     }
 
     #[divan::bench]
     fn rk4_paper(bencher: Bencher) {
-        let (stepper, states) = (PaperRk4 { r_s: HOLE }, states());
+        let (medium, stepper) = (Schwarzschild::new(HOLE), PaperRk4 { r_s: HOLE });
+        let momentum = |(x, direction): (DVec3, DVec3)| {
+            (x, direction * medium.index_squared(1.0 / x.length()).sqrt(), 0.1)
+        };
+        let states: Vec<(DVec3, DVec3, f64)> = rays(ITEMS).into_iter().map(momentum).collect();
         bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
-            for ([x, p, _], dt) in &states {
+            for (x, p, dt) in &states {
                 black_box(stepper.step(black_box(*x), *p, *dt));
             }
         });
     }
 
-    #[divan::bench]
-    fn fit_an_arc(bencher: Bencher) {
+    fn fit<R: Real>(bencher: Bencher) {
         let medium = Schwarzschild::new(HOLE);
-        let steps: Vec<Step> = states().into_iter().map(|(start, h)| Rkn5.step(&medium, start, h)).collect();
+        let step = |(b, phase, h): Start<R>| Step::new(&medium, &Rkn6, b, phase, h);
+        let steps: Vec<Step<R>> = starts::<R, Rkn6>().into_iter().map(step).collect();
         bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
             for step in &steps {
                 black_box(fit_arc(black_box(step)));
             }
         });
+    }
+
+    #[divan::bench]
+    fn fit_an_arc_single(bencher: Bencher) {
+        fit::<f32>(bencher);
+    }
+
+    #[divan::bench]
+    fn fit_an_arc_double(bencher: Bencher) {
+        fit::<f64>(bencher);
     }
 }
 
@@ -355,19 +399,27 @@ impl<T: Hierarchy> Theirs<T> {
 /// Arcs of real rays around the hole, within the bounds of the mesh.
 fn marched_arcs(thickest: f64, (min, max): (DVec3, DVec3)) -> Vec<Arc> {
     let medium = Schwarzschild::new(HOLE);
+    let control = Control::<f64>::new(&medium, TOLERANCES.0, TOLERANCES.1);
     let mut arcs = Vec::new();
     for (x, direction) in rays(ITEMS / 4) {
-        let p = medium.momentum(x, direction);
-        let (mut state, mut h) = ([x, p, medium.force(x)], CONTROL.first_step(&Rkn5, &medium, x, p));
+        let launch = Launch::new(&medium, x, direction, f64::EPSILON);
+        let (b, mut phase) = (launch.b, Phase::new(&medium, launch.w, launch.v));
+        let (mut h, mut previous, mut swept) = (control.first_step::<_, Rkn6>(&medium, b, &phase), 1.0, 0.0);
         for _ in 0..40 {
-            let step = Rkn5.step(&medium, state, h);
-            let verdict = CONTROL.judge(&step);
+            let step = Step::new(&medium, &Rkn6, b, phase, h);
+            let arc = fit_arc(&step);
+            let verdict = control.judge::<Rkn6>(&step, arc.error, previous);
             h = verdict.next_h;
             if verdict.accepted {
-                state = step.end;
-                split(verdict.arc, thickest, &mut arcs);
+                let (sin, cos) = f64::sin_cos(swept);
+                let radial = cos * launch.radial + sin * launch.along;
+                let along = cos * launch.along - sin * launch.radial;
+                split(arc.placed(launch.position(phase.w, swept), radial, along), thickest, &mut arcs);
+                (phase, previous) = (step.end, verdict.error);
+                swept += (b * step.h).atan();
+                h = control.within(h, b, &phase);
             }
-            if state[0].length() > 4.0 || state[0].length() < 2.0 * medium.horizon() {
+            if phase.w < 0.25 || 2.0 * phase.w * medium.horizon() > 1.0 {
                 break;
             }
         }

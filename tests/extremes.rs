@@ -270,6 +270,23 @@ fn a_ray_from_a_hundred_million_radii_takes_as_many_steps_as_one_from_a_hundred(
 }
 
 #[test]
+fn the_impact_parameter_of_a_ray_aimed_at_the_centre_from_far_is_exact() {
+    // Whole numbers, so that the exact cross product is at hand: directions that miss the centre by 10⁻¹⁵ radians.
+    let mut random = Random::new(23);
+    let medium = Schwarzschild::new(1e-20);
+    for _ in 0..1000 {
+        let mut whole = |size: f64| [0; 3].map(|_| random.between(-size, size).round() as i128);
+        let (x, miss) = (whole(1e6), whole(8.0));
+        let d: [i128; 3] = std::array::from_fn(|i| miss[i] - (x[i] << 30));
+        let cross = [1, 2, 0].map(|i| (x[i] * d[(i + 1) % 3] - x[(i + 1) % 3] * d[i]) as f64);
+        let [x, d] = [x, d].map(|v| DVec3::from(v.map(|i| i as f64)));
+        let exact = DVec3::from(cross).length() / d.length();
+        let b = Launch::new(&medium, x, d, f64::EPSILON).b;
+        assert!((b - exact).abs() <= 8.0 * f64::EPSILON * exact, "{b:e} for {exact:e}");
+    }
+}
+
+#[test]
 fn rays_in_a_vanishing_field_are_straight_to_the_last_digits() {
     with_every_stepper!(|name, stepper| {
         for r_s in [1e-30, 1e-100, 1e-300] {

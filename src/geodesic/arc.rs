@@ -170,7 +170,11 @@ pub fn fit_arc<R: Real>(step: &Step<R>) -> PlaneArc<R> {
     let one = R::of(1.0);
     let mismatch = (k0 * (weight0 / squared - one)).abs().at_least((k1 * (weight1 / squared - one)).abs());
     let length2 = x * x + y * y;
-    let conic_error = R::of(0.009) * mismatch * length2;
+    // Where both ends agree, what is left is of how the pull varies between them: with the field's strength, and with how
+    // far the radius turns from its straight course. The factor is measured around a hole.
+    let turned =
+        (step.start.pull + step.end.pull) * (step.start.v - step.end.v) * step.h * step.sin / (n0 * n1);
+    let conic_error = (R::of(0.009) * mismatch + R::of(7e-5) * ((k0 + k1) * turned).abs()) * length2;
     // The cubic part s(1−s)(1−2s)/2 of the Hermite interpolant is at most 0.0481.
     let parabola_error =
         R::of(0.0481) * (at_start - at_end).abs() + if bent { R::of(f64::INFINITY) } else { zero };

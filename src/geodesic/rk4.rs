@@ -32,3 +32,14 @@ impl Stepper for Rk4 {
         TABLEAU.step(force, start, h)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::stepper::tests::check_runge_kutta;
+    use super::*;
+
+    #[test]
+    fn the_coefficients_meet_their_conditions() {
+        check_runge_kutta(&TABLEAU, 4, 3);
+    }
+}

@@ -78,3 +78,14 @@ impl Stepper for Rkn6 {
         TABLEAU.step(force, start, h)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::stepper::tests::check_nystrom;
+    use super::*;
+
+    #[test]
+    fn the_coefficients_meet_their_conditions() {
+        check_nystrom(&TABLEAU, 6, [3, 4]);
+    }
+}

@@ -129,3 +129,55 @@ impl<const S: usize> Nystrom<S> {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    fn close(sum: f64, exact: f64, what: &str) {
+        assert!((sum - exact).abs() < 2e-14, "{what}: {sum} for {exact}");
+    }
+
+    /// Σ weights c^power = `exact`, up to cancellation.
+    fn moment<const S: usize>(weights: &[f64; S], c: &[f64; S], power: u32, exact: f64) {
+        let terms = || weights.iter().zip(c).map(|(w, c)| w * c.powi(power as i32));
+        let scale = 1.0 + terms().map(f64::abs).sum::<f64>();
+        close(terms().sum::<f64>() / scale, exact / scale, &format!("power {power}"));
+    }
+
+    /// Nodes, the quadrature conditions of a method of this order, and those of the one that its estimate compares with
+    /// \[H, II.2\].
+    pub fn check_runge_kutta<const S: usize>(tableau: &RungeKutta<S>, order: u32, lower: u32) {
+        for i in 0..S {
+            moment(&tableau.a[i], &tableau.c, 0, tableau.c[i]);
+            assert!(tableau.a[i][i..].iter().all(|&a| a == 0.0), "row {i} is not explicit");
+        }
+        for power in 0..order {
+            moment(&tableau.a[S - 1], &tableau.c, power, 1.0 / f64::from(power + 1));
+        }
+        for power in 0..lower {
+            moment(&tableau.e, &tableau.c, power, 0.0);
+        }
+    }
+
+    /// The same of a Nyström method: row sums are c²/2, and weights integrate 1 − s and 1 \[H, II.14\].
+    pub fn check_nystrom<const S: usize>(tableau: &Nystrom<S>, order: u32, lower: [u32; 2]) {
+        for i in 0..S {
+            moment(&tableau.a[i], &tableau.c, 0, 0.5 * tableau.c[i] * tableau.c[i]);
+            assert!(tableau.a[i][i..].iter().all(|&a| a == 0.0), "row {i} is not explicit");
+        }
+        for power in 0..order {
+            let k = f64::from(power);
+            moment(&tableau.b, &tableau.c, power, 1.0 / (k + 1.0));
+            if power + 1 < order {
+                moment(&tableau.a[S - 1], &tableau.c, power, 1.0 / ((k + 1.0) * (k + 2.0)));
+            }
+        }
+        for power in 0..lower[0] {
+            moment(&tableau.e, &tableau.c, power, 0.0);
+        }
+        for power in 0..lower[1] {
+            moment(&tableau.d, &tableau.c, power, 0.0);
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! What the tests of the march share: every stepper, rays followed with their sensitivity, and an exact swept angle
 //! that knows nothing of steps.
-#![allow(dead_code)] // Each test file is a crate of its own and uses a part of this.
+#![allow(dead_code, unused_imports, unused_macros)] // Each test file is a crate of its own and uses a part of this.
 
 use glam::DVec3;
 use warpfront::geodesic::{Control, End, Journey, Launch, Phase, Step, Stepper, follow};
