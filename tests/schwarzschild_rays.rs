@@ -19,8 +19,6 @@ struct Case {
     captured: bool,
     /// Exact position and direction on the way out.
     exit: Option<(DVec3, DVec3)>,
-    /// Distance from the critical impact parameter, relative.
-    eps: f64,
     /// |d(final angle)/d(initial angle)|.
     sens: f64,
 }
@@ -37,7 +35,6 @@ impl Case {
             r_out: row.number("r_out"),
             captured,
             exit: (!captured).then(exit),
-            eps: row.maybe("eps").unwrap_or(f64::INFINITY),
             sens: row.maybe("sens").unwrap_or(1.0),
         }
     }

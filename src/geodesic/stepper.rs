@@ -89,10 +89,23 @@ impl<const S: usize> RungeKutta<S> {
         h: R,
     ) -> (R, [R; S], [R; S]) {
         let (mut gain, mut velocities, mut forces) = (R::of(0.0), [v; S], [f; S]);
-        for i in 1..S {
-            gain = h * sum(&self.a[i], &velocities, i);
-            velocities[i] = v + h * sum(&self.a[i], &forces, i);
-            forces[i] = force(R::of(self.c[i]) * h, w + gain);
+        let mut stage = |i: usize| {
+            if i < S {
+                gain = h * sum(&self.a[i], &velocities, i);
+                velocities[i] = v + h * sum(&self.a[i], &forces, i);
+                forces[i] = force(R::of(self.c[i]) * h, w + gain);
+            }
+        };
+        const { assert!(S <= 13, "write out more stages") };
+        // In parts: one loop over all is too large to be unrolled, and then lanes cannot run side by side.
+        for i in 1..5 {
+            stage(i);
+        }
+        for i in 5..9 {
+            stage(i);
+        }
+        for i in 9..13 {
+            stage(i);
         }
         (gain, velocities, forces)
     }
