@@ -258,3 +258,28 @@ fn rays_from_any_distance_bend_as_darwin_says() {
     }
     println!("worst {worst:.3} of what is allowed");
 }
+
+#[test]
+fn rays_from_a_hundred_million_radii_take_as_many_steps_as_rays_from_a_hundred() {
+    let text = hole(DVec3::ZERO, 1.0)
+        + "[environment]\ncolor = [1, 1, 1]\n[render]\narc_tolerance = 1e-2\n"
+        + &material("black", 0.0, 0.0)
+        + "[[entity]]\ndisk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 3, outer = 15 }\nmaterial = \"black\"\n";
+    let scene = scene(&text);
+    let steps = |distance: f64| {
+        let position = distance * DVec3::new(0.0, 0.6, 0.8);
+        let target = |i: i32| DVec3::new(0.3 * f64::from(i % 81 - 40), 0.0, 0.3 * f64::from(i / 81 - 40));
+        let ray = |i: i32| {
+            let direction = (target(i) - position).normalize();
+            Ray { position, direction, leaves: PrimitiveId::NONE }
+        };
+        let shots = shoot(&scene, &(0..81 * 81).map(ray).collect::<Vec<_>>());
+        assert!(!shots.iter().any(|shot| matches!(shot.end, Outcome::StepLimit | Outcome::NonFinite)));
+        shots.iter().map(|shot| shot.steps as f64).sum::<f64>() / shots.len() as f64
+    };
+    let near = steps(1e2);
+    for distance in [1e4, 1e6, 1e8] {
+        let far = steps(distance);
+        assert!(far < near + 0.5, "{far} steps a ray from {distance:e}, {near} from 1e2");
+    }
+}

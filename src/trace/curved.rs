@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::columns::{Field, Row, columns};
-use super::march::March;
+use super::march::{March, keeps_outside};
 use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
 use crate::geometry::{Geometry, Line, PrimitiveId, Segment};
@@ -105,6 +105,8 @@ const MOST_FOR_SAGITTA: u32 = 8;
 const MOST_FOR_LENGTH: u32 = 60;
 /// How far outside the geometry a step may end, as a part of the inverse radius that bounds it.
 const OUTSIDE: f64 = 0.5;
+/// Where a step from far outside ends, as a part of the same: so far out that the pull does not take it in.
+const EDGE: f64 = 0.7;
 
 impl<R: Lane> CurvedFlight<R> {
     /// Where the ray is on its orbit.
@@ -168,13 +170,14 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     #[inline(always)]
     fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
         let h = self.control.within(h, b, phase);
-        let edge = R::of(OUTSIDE * self.chart.outer);
+        let outer = R::of(self.chart.outer);
+        let (outside, edge) = (R::of(OUTSIDE), R::of(EDGE) * outer);
         let (w, v) = (phase.w, phase.v);
         if v < R::of(0.0) {
-            let outer = if w > edge + edge { edge } else { R::of(OUTSIDE) * w };
-            h.at_most((outer - w) / v)
-        } else if w < edge {
-            h.at_most((edge + edge - w) / v)
+            let end = if w > outer { outside * outer } else { outside * w };
+            h.at_most((end - w) / v)
+        } else if w < outside * edge {
+            h.at_most((edge - w) / v)
         } else {
             h
         }
@@ -315,7 +318,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         step: &Self::Move,
         mut search: impl FnMut(&Arc, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
-        if !step.accepted {
+        let end = Phase { w: step.w, v: step.v, pull: step.pull };
+        if !step.accepted || keeps_outside(R::of(self.chart.outer), &flight.phase(), &end) {
             return None;
         }
         self.sweep(&self.arc(flight, step), flight.leaves, 0, &mut search)

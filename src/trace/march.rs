@@ -8,6 +8,7 @@ use crate::geodesic::{
     Control, Dop853, Dopri5, End, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper, Verdict, fit_arc,
     follow,
 };
+use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
 
@@ -38,23 +39,32 @@ pub fn march<M: ConformallyFlat + 'static, R: Lane>(
     medium: M,
     stepper: StepperKind,
     control: Control<R>,
+    outer: R,
 ) -> Box<dyn March<R>> {
     fn stepping<M: ConformallyFlat + 'static, R: Lane>(
         medium: M,
         stepper: impl Stepper + 'static,
-        control: Control<R>,
+        (control, outer): (Control<R>, R),
     ) -> Box<dyn March<R>> {
-        Box::new(Stepping { medium, stepper, control })
+        Box::new(Stepping { medium, stepper, control, outer })
     }
+    let held = (control, outer);
     match stepper {
-        StepperKind::Rkn6 | StepperKind::Rk4Paper => stepping(medium, Rkn6, control),
-        StepperKind::Dop853 => stepping(medium, Dop853, control),
-        StepperKind::Dopri5 => stepping(medium, Dopri5, control),
-        StepperKind::Rkf45 => stepping(medium, Rkf45, control),
-        StepperKind::Rkn4 => stepping(medium, Rkn4, control),
-        StepperKind::Rk4 => stepping(medium, Rk4, control),
-        StepperKind::Leapfrog4 => stepping(medium, Leapfrog4, control),
+        StepperKind::Rkn6 | StepperKind::Rk4Paper => stepping(medium, Rkn6, held),
+        StepperKind::Dop853 => stepping(medium, Dop853, held),
+        StepperKind::Dopri5 => stepping(medium, Dopri5, held),
+        StepperKind::Rkf45 => stepping(medium, Rkf45, held),
+        StepperKind::Rkn4 => stepping(medium, Rkn4, held),
+        StepperKind::Rk4 => stepping(medium, Rk4, held),
+        StepperKind::Leapfrog4 => stepping(medium, Leapfrog4, held),
     }
+}
+
+/// Whether a step between two phases stays where the inverse radius is below `outer`: it does not turn in between.
+#[inline(always)]
+pub fn keeps_outside<R: Real>(outer: R, start: &Phase<R>, end: &Phase<R>) -> bool {
+    let zero = R::of(0.0);
+    (start.w < outer) & (end.w < outer) & ((start.v > zero) == (end.v > zero))
 }
 
 /// A stepper, a spacetime, and what steps are held to.
@@ -65,6 +75,8 @@ struct Stepping<M, S, R> {
     stepper: S,
     /// What its steps are held to.
     control: Control<R>,
+    /// Inverse radius beyond which there is nothing to meet.
+    outer: R,
 }
 
 impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
@@ -75,7 +87,10 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
         let step = Step::new(&self.medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
-        let Verdict { accepted, next_h, error } = self.control.judge::<S>(&step, arc.error, flight.error);
+        // What no search follows need not be followed closely.
+        let arc_error =
+            if keeps_outside(self.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
+        let Verdict { accepted, next_h, error } = self.control.judge::<S>(&step, arc_error, flight.error);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
             w: step.end.w,

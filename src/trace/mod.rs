@@ -140,7 +140,7 @@ impl<M: ConformallyFlat + 'static> Place<M> {
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         Curved {
             medium: self.medium,
-            march: march::march(self.medium, scene.settings.stepper, control),
+            march: march::march(self.medium, scene.settings.stepper, control, R::of(self.chart.outer)),
             control,
             arc_tolerance,
             center: self.center,
