@@ -286,6 +286,20 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
 }
 
 #[test]
+fn a_reader_that_has_gone_away_is_no_failure() {
+    // Larger than a pipe holds.
+    let place = Place::with(&format!("{HEADER}{}", "1,10,3,0,-1,0,0,50\n".repeat(2000)));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
+    command.current_dir(place.0.path()).args(["trace", "--spacetime", "schwarzschild", "rays.csv"]);
+    let mut child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_code(&output, 0);
+    assert!(!stderr(&output).contains("error"), "{}", stderr(&output));
+}
+
+#[test]
 fn bytes_that_are_no_text_are_refused() {
     let place = Place::new();
     fs::write(place.path("rays.csv"), [HEADER.as_bytes(), b"1,\xff\xfe,0,0,1,0,0,5\n"].concat()).unwrap();

@@ -122,20 +122,24 @@ pub(super) struct RaysArgs {
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
+#[command(override_usage = "warpfront study [OPTIONS] -o <PREFIX> <SCENE>\n       \
+                            warpfront study [OPTIONS] -o <PREFIX> --rays <RAYS.csv>")]
 pub(super) struct StudyArgs {
+    /// Scene file: .toml, .gltf, .glb or .obj
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) scene: Option<SceneArgs>,
+    pub(super) changes: ChangeArgs,
     /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of exact
     /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens
     #[arg(
         long,
         value_name = "RAYS.csv",
-        required_unless_present = "SceneArgs",
-        conflicts_with = "SceneArgs"
+        conflicts_with_all = ["scene", "ChangeArgs"]
     )]
     pub(super) rays: Option<PathBuf>,
     /// Spacetime that the rays of --rays are in
-    #[arg(long, value_enum, value_name = "NAME", default_value = "schwarzschild", requires = "rays")]
+    #[arg(long, value_enum, value_name = "NAME", default_value = "schwarzschild", conflicts_with = "scene")]
     pub(super) spacetime: Spacetime,
     /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
@@ -221,6 +225,13 @@ pub(super) struct SceneArgs {
     /// Scene file: .toml, .gltf, .glb or .obj
     #[arg(value_name = "SCENE")]
     pub(super) path: PathBuf,
+    #[command(flatten)]
+    pub(super) changes: ChangeArgs,
+}
+
+/// What is changed in a scene.
+#[derive(Debug, Args)]
+pub(super) struct ChangeArgs {
     /// Set a value of the scene file; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
     pub(super) overrides: Vec<String>,

@@ -8,7 +8,7 @@ use csv::ByteRecord;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::args::{SceneArgs, StudyArgs};
+use super::args::StudyArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::progress::Bar;
@@ -34,17 +34,16 @@ const ENDS: [&str; 8] = ["status", "x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"
 /// Measures ways to integrate rays and writes what was found.
 pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
-    let files = Files::open(&args.output)?;
     match (&args.rays, &args.scene) {
-        (Some(rays), _) => free(args, rays, files),
-        (None, Some(scene)) => of_scene(args, scene, files),
+        (Some(rays), _) => free(args, rays, Files::open(&args.output)?),
+        (None, Some(scene)) => of_scene(args, scene, Files::open(&args.output)?),
         (None, None) => Err(Failure::new("nothing to study").help("give a SCENE, or --rays RAYS.csv")),
     }
 }
 
 /// Studies the camera rays of a scene.
-fn of_scene(args: &StudyArgs, from: &SceneArgs, files: Files) -> Result<Outcome, Failure> {
-    let mut scene = scene::load_with_hole(&from.path, &from.overrides, from.black_hole)?;
+fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Failure> {
+    let mut scene = scene::load_with_hole(path, &args.changes.overrides, args.changes.black_hole)?;
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));
     }
