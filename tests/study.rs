@@ -36,16 +36,33 @@ impl Place {
         self.0.path().join(name)
     }
 
-    fn study(&self, prefix: &str, flags: &[&str]) -> Output {
+    fn run(&self, arguments: &[&str]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(["study", "scene.toml", "-o", prefix]).args(flags);
-        command.stdin(Stdio::null()).output().unwrap()
+        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null()).output().unwrap()
+    }
+
+    fn study(&self, prefix: &str, flags: &[&str]) -> Output {
+        self.run(&[&["study", "scene.toml", "-o", prefix], flags].concat())
+    }
+
+    /// Studies the rays of `text`.
+    fn study_rays(&self, text: &str, flags: &[&str]) -> Output {
+        fs::write(self.path("rays.csv"), text).unwrap();
+        self.run(&[&["study", "--rays", "rays.csv", "-o", "study", "--rounds", "1"], flags].concat())
     }
 
     /// The rows of a small study by column, and what was printed.
     fn rows(&self, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
-        let output = self.study("study", &[&SMALL, flags].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        self.written(&self.study("study", &[&SMALL, flags].concat()))
+    }
+
+    /// The rows of a study of the rays of `text` by column, and what was printed.
+    fn ray_rows(&self, text: &str, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
+        self.written(&self.study_rays(text, flags))
+    }
+
+    fn written(&self, output: &Output) -> (Vec<HashMap<String, String>>, String) {
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
         let text = fs::read_to_string(self.path("study.csv")).unwrap();
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         let header = lines.next().unwrap();
@@ -53,12 +70,20 @@ impl Place {
             assert_eq!(cells.len(), header.len());
             header.iter().cloned().zip(cells).collect()
         };
-        (lines.map(row).collect(), String::from_utf8(output.stdout).unwrap())
+        (lines.map(row).collect(), String::from_utf8(output.stdout.clone()).unwrap())
     }
 }
 
 fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Bad input: exit code 2, an `error:` line, everything in `said`, no panic.
+fn assert_refused(output: &Output, said: &[&str]) {
+    let text = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
+    said.iter().for_each(|part| assert!(text.contains(part), "{text}\nlacks {part:?}"));
 }
 
 fn number(row: &HashMap<String, String>, column: &str) -> f64 {
@@ -68,7 +93,8 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 #[test]
 fn tighter_tolerances_have_smaller_errors_and_more_steps() {
     let place = Place::new(SCENE);
-    let (rows, table) = place.rows(&["--steppers", "rkn4,rkn6", "--tolerances", "1e-4,1e-9"]);
+    let (rows, table) =
+        place.rows(&["--steppers", "rkn4,rkn6", "--precisions", "f64", "--tolerances", "1e-4,1e-9"]);
     assert_eq!(rows.len(), 4);
     for pair in rows.chunks(2) {
         let [loose, tight] = pair else { panic!() };
@@ -94,15 +120,21 @@ fn tighter_tolerances_have_smaller_errors_and_more_steps() {
 #[test]
 fn all_steppers_are_studied_and_the_one_without_tolerance_once() {
     let place = Place::new(SCENE);
-    let (rows, table) = place.rows(&["--tolerances", "1e-3,1e-4", "--schedules", "wavefront,per-pixel"]);
+    let (rows, table) = place.rows(&["--tolerances", "1e-3,1e-6", "--schedules", "wavefront,per-pixel"]);
     let count = |stepper: &str| rows.iter().filter(|row| row["stepper"] == stepper).count();
-    assert_eq!((count("rkn4"), count("rkn6"), count("rk4-paper")), (4, 4, 2));
+    // One of the tolerances is too fine for f32.
+    assert_eq!((count("rkn4"), count("rkn6"), count("rk4-paper")), (6, 6, 2));
     assert!(rows.iter().filter(|row| row["stepper"] == "rk4-paper").all(|row| row["tolerance"].is_empty()));
     assert!(table.contains("rk4-paper") && table.contains("per-pixel"), "{table}");
     let svg = fs::read_to_string(place.path("study.svg")).unwrap();
-    for part in
-        ["rkn6, wavefront", "rk4-paper, per-pixel", "Pareto front", "error (pixels)", "camera ray (ns)"]
-    {
+    for part in [
+        "rkn6, wavefront",
+        "rkn6 f32, per-pixel",
+        "rk4-paper, per-pixel",
+        "Pareto front",
+        "error (pixels)",
+        "camera ray (ns)",
+    ] {
         assert!(svg.contains(part), "{part} is missing");
     }
     let image = image::open(place.path("study.png")).unwrap();
@@ -113,8 +145,176 @@ fn all_steppers_are_studied_and_the_one_without_tolerance_once() {
 fn schedules_have_the_same_errors() {
     let flags = ["--steppers", "rkn6", "--tolerances", "1e-4", "--schedules", "wavefront,per-pixel"];
     let (rows, _) = Place::new(SCENE).rows(&flags);
-    assert_eq!(rows.len(), 2);
-    assert_eq!(rows[0]["footprint_rmse"], rows[1]["footprint_rmse"]);
+    assert_eq!(rows.len(), 4);
+    for precision in ["f64", "f32"] {
+        let errors: Vec<&str> = rows
+            .iter()
+            .filter(|row| row["precision"] == precision)
+            .map(|row| row["footprint_rmse"].as_str())
+            .collect();
+        assert!(errors.len() == 2 && errors[0] == errors[1], "{errors:?}");
+    }
+}
+
+#[test]
+fn every_stepper_has_a_curve_per_precision_and_the_papers_one_point() {
+    let place = Place::new(SCENE);
+    let steppers = ["--steppers", "rkn6,rk4-paper"];
+    let (rows, table) = place.rows(&[&steppers[..], &["--tolerances", "1e-3,1e-7"]].concat());
+    let found: Vec<_> =
+        rows.iter().map(|row| ["stepper", "precision", "tolerance"].map(|c| &row[c])).collect();
+    let expected = [
+        ["rkn6", "f64", "0.001"],
+        ["rkn6", "f64", "0.0000001"],
+        ["rkn6", "f32", "0.001"],
+        ["rk4-paper", "f64", ""],
+    ];
+    assert_eq!(found, expected);
+    // The precisions differ, but less than the tolerance does.
+    let p99 = |row: usize| number(&rows[row], "direction_p99");
+    assert!(rows[0]["direction_p99"] != rows[2]["direction_p99"] && p99(1) < 0.1 * p99(2), "{rows:?}");
+    assert!(p99(2) < 3.0 * p99(0) + 1e-4, "{rows:?}");
+    assert!(table.contains("precision") && table.contains("f32"), "{table}");
+    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    assert!(svg.contains(">rkn6<") && svg.contains(">rkn6 f32<") && svg.contains("stroke-dasharray"));
+    let (rows, _) = place.rows(&[&steppers[..], &["--precisions", "f32"]].concat());
+    assert_eq!(rows.iter().filter(|row| row["precision"] == "f32").count(), 3);
+}
+
+/// Rays of a table without and with their ends: one around the hole, one straight out, one into it.
+const RAYS: &str =
+    "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n1,10,3,0,-1,0,0,50\n1,10,0,0,1,0,0,50\n1,10,0,0,-1,0,0,50\n";
+
+fn exact_rays() -> String {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/schwarzschild_rays.csv");
+    fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn the_tolerance_holds_on_every_exact_ray() {
+    let place = Place::new(SCENE);
+    let flags = ["--steppers", "rkn6,dop853", "--precisions", "f64", "--tolerances", "1e-3,1e-6,1e-9"];
+    let (rows, table) = place.ray_rows(&exact_rays(), &flags);
+    assert_eq!(rows.len(), 6);
+    for row in &rows {
+        assert_eq!((number(row, "rays"), number(row, "differ")), (200.0, 0.0), "{row:?}");
+        assert!(number(row, "compared") > 100.0);
+        assert_eq!(number(row, "above_tolerance"), 0.0, "{row:?}");
+        let (worst, tolerance) = (number(row, "worst_over_tolerance"), number(row, "tolerance"));
+        assert!(worst > 0.0 && worst <= 1.0, "{row:?}");
+        let largest = ["direction_over_sens_max", "position_over_sens_max"].map(|column| number(row, column));
+        let ratio = largest[0].max(largest[1]) / tolerance;
+        assert!((ratio - worst).abs() < 1e-9 * worst, "{row:?}");
+        for error in ["direction", "direction_over_sens", "position", "position_over_sens"] {
+            let [median, p99, max] = ["median", "p99", "max"].map(|v| number(row, &format!("{error}_{v}")));
+            assert!(median <= p99 && p99 <= max, "{error}: {row:?}");
+        }
+        assert!(number(row, "direction_max") >= number(row, "direction_over_sens_max"));
+        assert!(number(row, "ns_per_ray") > 0.0 && number(row, "steps_per_ray") > 1.0);
+    }
+    for stepper in rows.chunks(3) {
+        assert!(number(&stepper[2], "steps_per_ray") > number(&stepper[0], "steps_per_ray"));
+        assert!(
+            number(&stepper[2], "direction_over_sens_p99") < number(&stepper[0], "direction_over_sens_p99")
+        );
+    }
+    let marked = table.lines().filter(|line| line.contains('*')).count();
+    let on_front = rows.iter().filter(|row| row["pareto"] == "1").count();
+    assert!(marked == on_front && on_front > 0 && table.lines().count() == 8, "{table}");
+    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    for part in ["rkn6", "dop853", "Pareto front", "angle at the end / sens (radians)", "time per ray (ns)"] {
+        assert!(svg.contains(part), "{part} is missing");
+    }
+    assert!(image::open(place.path("study.png")).unwrap().width() > 800);
+}
+
+#[test]
+fn rays_without_ends_are_compared_with_a_reference() {
+    let place = Place::new(SCENE);
+    let (rows, _) = place.ray_rows(RAYS, &[]);
+    let count = |column: &str, value: &str| rows.iter().filter(|row| row[column] == value).count();
+    // Eleven decades, of which f32 has three, with every stepper but the paper's.
+    assert_eq!((rows.len(), count("precision", "f32"), count("stepper", "rk4-paper")), (98, 21, 0));
+    for row in &rows {
+        assert_eq!((number(row, "rays"), number(row, "compared"), number(row, "differ")), (3.0, 2.0, 0.0));
+        assert!(number(row, "worst_over_tolerance") < 1.0, "{row:?}");
+    }
+}
+
+#[test]
+fn ends_in_the_table_are_what_rays_are_compared_with() {
+    // The ends that `trace` writes, the first one turned a little and the last one said to escape.
+    let place = Place::new(SCENE);
+    fs::write(place.path("rays.csv"), RAYS).unwrap();
+    let ends = place.run(&["trace", "--spacetime", "schwarzschild", "rays.csv"]);
+    let flags = ["--steppers", "dop853", "--precisions", "f64", "--tolerances", "1e-10"];
+    let ends = String::from_utf8(ends.stdout).unwrap();
+    let (rows, _) = place.ray_rows(&ends, &flags);
+    assert!(number(&rows[0], "direction_max") < 1e-13 && number(&rows[0], "differ") == 0.0);
+
+    let wrong: Vec<String> = ends.lines().map(|line| line.replace("captured", "missed")).collect();
+    let (rows, _) = place.ray_rows(&(wrong.join("\n") + "\n"), &flags);
+    assert!((number(&rows[0], "differ") - 1.0 / 3.0).abs() < 1e-12);
+
+    let tilted = "rs,x0,y0,z0,dx0,dy0,dz0,r_out,status,x1,y1,z1,dx1,dy1,dz1,sens\n\
+                  0,1,0,0,1,0,0,50,escaped,50,0.05,0,1,1e-4,0,2\n";
+    let (rows, _) = place.ray_rows(tilted, &flags);
+    let near = |column: &str, expected: f64| {
+        let found = number(&rows[0], column);
+        assert!((found / expected - 1.0).abs() < 1e-6, "{column}: {found}");
+    };
+    near("direction_max", 1e-4);
+    near("direction_over_sens_max", 5e-5);
+    near("position_max", 1e-3);
+    near("worst_over_tolerance", 5e-4 / 1e-10);
+    assert_eq!(number(&rows[0], "above_tolerance"), 1.0);
+}
+
+#[test]
+fn bad_tables_of_rays_are_refused_with_a_remedy() {
+    let header = "rs,x0,y0,z0,dx0,dy0,dz0,r_out,status,x1,y1,z1,dx1,dy1,dz1,sens\n";
+    let ray = "1,10,3,0,-1,0,0,50";
+    let cases: [(String, &[&str], &[&str]); 12] = [
+        ("rs,x0\n".to_owned(), &[], &["no column `y0`"]),
+        (RAYS.lines().next().unwrap().to_owned(), &[], &["`rays.csv` has no rays"]),
+        (header.replace(",sens", ""), &[], &["a column `dz1` but no column `sens`", "none of them"]),
+        (format!("{header}{ray},gone,1,0,0,1,0,0,1\n"), &[], &["line 2", "`status`", "`gone`", "captured"]),
+        (format!("{header}{ray},step-limit,1,0,0,1,0,0,1\n"), &[], &["line 2", "`step-limit`"]),
+        (format!("{header}{ray},escaped,1,,0,1,0,0,1\n"), &[], &["line 2", "`y1`", "no number"]),
+        (format!("{header}{ray},escaped,1,0,0,1,0,0,0\n"), &[], &["line 2", "`sens`", "above 0"]),
+        (format!("{header}{ray},escaped,1,0,0,0,0,0,1\n"), &[], &["line 2", "`dx1`", "no direction"]),
+        (RAYS.replace("\n1,10,0,0,1", "\n1,0.1,0,0,1"), &[], &["line 3", "`x0`", "horizon"]),
+        (RAYS.replace("\n1,10,0,0,1", "\n1,1e20,0,0,1"), &[], &["line 3", "`x0`", "1e15"]),
+        (RAYS.to_owned(), &["--steppers", "rkn6,rk4-paper"], &["rk4-paper", "--steppers"]),
+        (
+            RAYS.to_owned(),
+            &["--precisions", "f32", "--tolerances", "1e-8"],
+            &["nothing to measure", "1.2e-5"],
+        ),
+    ];
+    for (text, flags, said) in cases {
+        let place = Place::new(SCENE);
+        assert_refused(&place.study_rays(&text, flags), &[&["help: "], said].concat());
+        assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 2, "{text}");
+    }
+}
+
+#[test]
+fn a_scene_or_rays_are_studied_and_not_both() {
+    let place = Place::new(SCENE);
+    fs::write(place.path("rays.csv"), RAYS).unwrap();
+    let refused = |arguments: &[&str], said: &[&str]| {
+        assert_refused(&place.run(&[&["study", "-o", "study"], arguments].concat()), said);
+    };
+    refused(&[], &["nothing to study", "--rays", "SCENE"]);
+    refused(&["scene.toml", "--rays", "rays.csv"], &["--rays", "SCENE", "cannot be used"]);
+    refused(&["--rays", "rays.csv", "--set", "camera.near=1"], &["--set", "cannot be used"]);
+    refused(&["--rays", "rays.csv", "--size", "8x8"], &["--size", "cannot be used"]);
+    refused(&["--rays", "rays.csv", "--schedules", "wavefront"], &["--schedules", "cannot be used"]);
+    refused(&["--set", "camera.near=1"], &["nothing to study", "SCENE"]);
+    refused(&["scene.toml", "--spacetime", "flat"], &["--spacetime", "cannot be used"]);
+    refused(&["--rays", "none.csv"], &["cannot read `none.csv`", "help:"]);
+    assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 2);
 }
 
 #[test]
@@ -129,7 +329,8 @@ fn flat_and_empty_scenes_are_studied_too() {
 #[test]
 fn the_prefix_keeps_its_dots_and_files_are_named() {
     let place = Place::new(SCENE);
-    let flags = [&SMALL[..], &["--steppers", "rkn6", "--tolerances", "1e-3,1e-3"]].concat();
+    let flags = [&SMALL[..], &["--steppers", "rkn6", "--precisions", "f64,f64", "--tolerances", "1e-3,1e-3"]]
+        .concat();
     let output = place.study("v1.2", &flags);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("1 setting; wrote v1.2.csv, v1.2.svg, v1.2.png"), "{}", stderr(&output));
@@ -141,6 +342,8 @@ fn bad_flags_are_refused_with_a_remedy() {
     let place = Place::new(SCENE);
     let cases: &[(&str, &[&str], &[&str])] = &[
         ("study", &["--steppers", "euler"], &["--steppers", "rkn6"]),
+        ("study", &["--precisions", "f16"], &["--precisions", "f32"]),
+        ("study", &["--steppers", "rkn6", "--tolerances", "1e-30"], &["nothing to measure", "1.2e-5"]),
         ("study", &["--tolerances", "1e-3,0"], &["--tolerances", "above 0"]),
         ("study", &["--schedules", "x"], &["--schedules", "per-pixel"]),
         ("study", &["--rounds", "0"], &["--rounds", "from 1"]),
@@ -152,11 +355,7 @@ fn bad_flags_are_refused_with_a_remedy() {
         ("none/study", &[], &["`none/study.csv`", "help:"]),
     ];
     for (prefix, flags, said) in cases {
-        let result = place.study(prefix, flags);
-        let text = stderr(&result);
-        assert_eq!(result.status.code(), Some(2), "{text}");
-        assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
-        said.iter().for_each(|part| assert!(text.contains(part), "{text}\nlacks {part:?}"));
+        assert_refused(&place.study(prefix, flags), said);
         assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 1);
     }
 }

@@ -84,8 +84,9 @@ fn assert_refused(output: &Output, said: &[&str]) {
     }
 }
 
-/// Error of the end relative to what is allowed, over all rows, each within `tolerance` times its conditioning.
-fn worst_end(found: &[Row], tolerance: f64) -> f64 {
+/// Error of the end relative to what is allowed, over all rows, each within `tolerance` times its conditioning; closer
+/// to the critical impact parameter than `beside`, relative to it, only the fate counts.
+fn worst_end(found: &[Row], tolerance: f64, beside: f64) -> f64 {
     let exact = table("schwarzschild_rays.csv");
     assert_eq!(found.len(), exact.len());
     let mut worst = 0.0_f64;
@@ -97,6 +98,9 @@ fn worst_end(found: &[Row], tolerance: f64) -> f64 {
             let empty =
                 ["x1", "y1", "z1", "dx1", "dy1", "dz1", "t", "phi", "revs", "r_min", "sens", "drift_h"];
             assert!(empty.iter().all(|column| found.text(column).is_empty()));
+            continue;
+        }
+        if exact.maybe("eps").is_some_and(|eps| eps.abs() < beside) {
             continue;
         }
         let distance = |columns| found.vector(columns).distance(exact.vector(columns));
@@ -117,7 +121,7 @@ fn worst_end(found: &[Row], tolerance: f64) -> f64 {
 fn every_exact_ray_ends_where_it_should_at_every_preset() {
     let place = Place::with_exact_rays();
     for (quality, tolerance) in [("draft", 1e-3), ("standard", 1e-5), ("reference", 1e-10)] {
-        worst_end(&place.rows(&["--quality", quality]), tolerance);
+        worst_end(&place.rows(&["--quality", quality]), tolerance, 0.0);
     }
 }
 
@@ -125,14 +129,16 @@ fn every_exact_ray_ends_where_it_should_at_every_preset() {
 fn every_exact_ray_ends_where_it_should_with_every_stepper() {
     let place = Place::with_exact_rays();
     for stepper in ["rkn6", "dop853", "dopri5", "rkf45", "rkn4", "rk4", "leapfrog4"] {
-        worst_end(&place.rows(&["--stepper", stepper, "--tolerance", "1e-7"]), 1e-7);
+        worst_end(&place.rows(&["--stepper", stepper, "--tolerance", "1e-7"]), 1e-7, 0.0);
     }
 }
 
 #[test]
 fn single_precision_is_as_good_as_it_says() {
-    // 100 roundings are the least tolerance.
-    worst_end(&Place::with_exact_rays().rows(&["--precision", "f32"]), 100.0 * f64::from(f32::EPSILON));
+    // 100 roundings are the least tolerance. Beside the critical ray the impact parameter itself is moved, to 64 roundings
+    // from the critical one, lest rounding change the fate.
+    let found = Place::with_exact_rays().rows(&["--precision", "f32"]);
+    worst_end(&found, 100.0 * f64::from(f32::EPSILON), 1e-5);
 }
 
 #[test]
@@ -277,6 +283,20 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
         assert_refused(&output, &[&["`rays.csv`", "help: "], said].concat());
         assert_eq!(place.files(), ["rays.csv"], "{text}");
     }
+}
+
+#[test]
+fn a_reader_that_has_gone_away_is_no_failure() {
+    // Larger than a pipe holds.
+    let place = Place::with(&format!("{HEADER}{}", "1,10,3,0,-1,0,0,50\n".repeat(2000)));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
+    command.current_dir(place.0.path()).args(["trace", "--spacetime", "schwarzschild", "rays.csv"]);
+    let mut child =
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_code(&output, 0);
+    assert!(!stderr(&output).contains("error"), "{}", stderr(&output));
 }
 
 #[test]

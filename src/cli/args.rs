@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
-use super::trace::Spacetime;
+use super::rays_table::Spacetime;
 use crate::film::Aov;
 use crate::scene::{Filter, Precision, SamplerKind, Schedule, Settings, StepperKind};
 use crate::study::free::Accuracy;
@@ -122,36 +122,49 @@ pub(super) struct RaysArgs {
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
+#[command(override_usage = "warpfront study [OPTIONS] -o <PREFIX> <SCENE>\n       \
+                            warpfront study [OPTIONS] -o <PREFIX> --rays <RAYS.csv>")]
 pub(super) struct StudyArgs {
+    /// Scene file: .toml, .gltf, .glb or .obj
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) scene: SceneArgs,
+    pub(super) changes: ChangeArgs,
+    /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of exact
+    /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens
+    #[arg(
+        long,
+        value_name = "RAYS.csv",
+        conflicts_with_all = ["scene", "ChangeArgs"]
+    )]
+    pub(super) rays: Option<PathBuf>,
+    /// Spacetime that the rays of --rays are in
+    #[arg(long, value_enum, value_name = "NAME", default_value = "schwarzschild", conflicts_with = "scene")]
+    pub(super) spacetime: Spacetime,
     /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: PathBuf,
-    /// Steppers, separated by commas [default: all]
+    /// Steppers, separated by commas [default: all; with --rays, all but rk4-paper]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     pub(super) steppers: Vec<StepperKind>,
-    /// Tolerances, separated by commas
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_parser = parse::positive,
-        value_delimiter = ',',
-        default_value = "1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8",
-        allow_hyphen_values = true
-    )]
+    /// Numbers that orbits are followed in, separated by commas; f32 only with tolerances from 1.2e-5 up, below which it
+    /// does not go
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', default_value = "f64,f32")]
+    pub(super) precisions: Vec<Precision>,
+    /// Tolerances, separated by commas [default: 1e-2 to 1e-8 in decades; with --rays, to 1e-12]
+    #[arg(long, value_name = "LIST", value_parser = parse::positive, value_delimiter = ',', allow_hyphen_values = true)]
     pub(super) tolerances: Vec<f64>,
     /// Schedules, separated by commas [default: the scene's]
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
     pub(super) schedules: Vec<Schedule>,
     /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true, conflicts_with = "rays")]
     pub(super) arc_tolerance: Option<f64>,
     /// Size of the pictures in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true, conflicts_with = "rays")]
     pub(super) size: (usize, usize),
     /// Samples per pixel where the speed of whole paths is measured
-    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true, conflicts_with = "rays")]
     pub(super) spp: u32,
     /// Times that each setting's speed is measured, all settings in turn; medians count
     #[arg(long, value_name = "N", value_parser = parse::count, default_value = "3", allow_hyphen_values = true)]
@@ -212,6 +225,13 @@ pub(super) struct SceneArgs {
     /// Scene file: .toml, .gltf, .glb or .obj
     #[arg(value_name = "SCENE")]
     pub(super) path: PathBuf,
+    #[command(flatten)]
+    pub(super) changes: ChangeArgs,
+}
+
+/// What is changed in a scene.
+#[derive(Debug, Args)]
+pub(super) struct ChangeArgs {
     /// Set a value of the scene file; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
     pub(super) overrides: Vec<String>,

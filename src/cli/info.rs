@@ -15,7 +15,11 @@ use crate::shade::{Environment, Lobe};
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
-    let scene = scene::load_with_hole(&args.scene.path, &args.scene.overrides, args.scene.black_hole)?;
+    let scene = scene::load_with_hole(
+        &args.scene.path,
+        &args.scene.changes.overrides,
+        args.scene.changes.black_hole,
+    )?;
     let report = Report::of(args.scene.path.display().to_string(), &scene);
     let text = if args.json {
         let json = serde_json::to_string_pretty(&report);

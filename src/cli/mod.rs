@@ -12,6 +12,7 @@ mod parse;
 mod progress;
 mod quality;
 mod rays;
+mod rays_table;
 mod render;
 mod stages;
 mod study;

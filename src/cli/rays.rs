@@ -18,7 +18,11 @@ use crate::study::{Fan, FanError, FanOptions};
 pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
     let output = Output::create(&args.output)?;
-    let mut scene = scene::load_with_hole(&args.scene.path, &args.scene.overrides, args.scene.black_hole)?;
+    let mut scene = scene::load_with_hole(
+        &args.scene.path,
+        &args.scene.changes.overrides,
+        args.scene.changes.black_hole,
+    )?;
     args.accuracy.apply(&mut scene.settings);
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));

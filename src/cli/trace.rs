@@ -1,14 +1,10 @@
 //! `warpfront trace`.
 
 use std::f64::consts::TAU;
-use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
 use std::time::Instant;
 
-use clap::ValueEnum;
-use csv::{ByteRecord, ReaderBuilder, Trim};
-use glam::DVec3;
+use csv::ByteRecord;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -17,54 +13,18 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::same_file;
 use super::progress::Bar;
+use super::rays_table::{Columns, Table, line};
 use super::stages::flag_name;
 use super::units::{decimal, plural};
 use super::{Outcome, say};
 use crate::film::atomic::Output;
-use crate::scene::SpacetimeKind;
-use crate::study::free::{self, Accuracy, Crossing, Exit, FreeRay, Input, Status};
-use crate::trace::Progress;
+use crate::study::free::{self, Accuracy, Crossing, Exit, Status};
 
-/// A spacetime by its name; what describes it is in the rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Spacetime {
-    /// A hole of Schwarzschild radius `rs` at the origin; isotropic coordinates
-    Schwarzschild,
-    /// No hole: straight rays
-    Flat,
-}
-
-impl Spacetime {
-    /// Columns that describe it.
-    fn parameters(self) -> &'static [&'static str] {
-        match self {
-            Spacetime::Schwarzschild => &["rs"],
-            Spacetime::Flat => &[],
-        }
-    }
-
-    /// The spacetime of a row, given the numbers in these columns.
-    fn of(self, parameters: &[f64]) -> SpacetimeKind {
-        match (self, parameters) {
-            (Spacetime::Schwarzschild, &[schwarzschild_radius, ..]) => {
-                SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius }
-            }
-            _ => SpacetimeKind::Flat,
-        }
-    }
-}
-
-/// Columns that are copied where there are any.
-const LABELS: [&str; 2] = ["id", "kind"];
-/// Columns that describe a ray.
-const RAY: [&str; 7] = ["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"];
 /// Columns that are written.
 const RESULTS: [&str; 17] = [
     "status", "x1", "y1", "z1", "dx1", "dy1", "dz1", "t", "phi", "revs", "b", "eps", "r_min", "sens",
     "drift_h", "drift_l", "steps",
 ];
-/// Rows in memory at a time.
-const CHUNK: usize = 8192;
 
 /// Follows the rays of a table and writes how they end.
 pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
@@ -139,7 +99,7 @@ impl Job {
             flag_name(precision),
         )?;
         let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(table.columns.names())?;
+        writer.write_record(table.columns.names().chain(RESULTS)).map_err(plain)?;
         let mut tally = Tally::default();
         loop {
             let rows = match table.chunk() {
@@ -148,155 +108,40 @@ impl Job {
                 Err(failure) => return Ok(Err(failure)),
             };
             let columns = &table.columns;
-            let end = |row| columns.follow(row, &self.accuracy).map(|exit| (exit.status, results(&exit)));
-            let follow = || rows.par_iter().map(end).collect();
+            let end = |row| follow(columns, row, &self.accuracy).map(|exit| (exit.status, results(&exit)));
+            let all = || rows.par_iter().map(end).collect();
             let ends: Vec<Result<_, Failure>> = match &self.pool {
-                Some(pool) => pool.install(follow),
-                None => follow(),
+                Some(pool) => pool.install(all),
+                None => all(),
             };
             for (row, end) in rows.iter().zip(ends) {
                 let (status, results) = match end {
                     Ok(end) => end,
                     Err(failure) => return Ok(Err(failure)),
                 };
-                columns.inputs(row).try_for_each(|cell| writer.write_field(cell))?;
-                writer.write_record(results)?;
+                columns.inputs(row).try_for_each(|cell| writer.write_field(cell)).map_err(plain)?;
+                writer.write_record(results).map_err(plain)?;
                 tally.count(status);
             }
-            bar.update(Progress { done: table.reader.position().byte(), total: table.size });
+            bar.update(table.progress());
         }
         writer.flush()?;
         Ok(Ok(tally))
     }
 }
 
-/// The table of rays, being read.
-struct Table {
-    reader: csv::Reader<File>,
-    /// Bytes.
-    size: u64,
-    columns: Columns,
-}
-
-impl Table {
-    fn open(path: &Path, spacetime: Spacetime) -> Result<Self, Failure> {
-        let name = path.display().to_string();
-        let unreadable = |error: io::Error| {
-            Failure::new(format!("cannot read `{name}`: {error}")).help("name a CSV file with a ray per row")
-        };
-        let file = File::open(path).map_err(unreadable)?;
-        let size = file.metadata().map_err(unreadable)?.len();
-        let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
-        let header = reader.byte_headers().map_err(|error| explain(&name, &error))?.clone();
-        Ok(Self { columns: Columns::find(&name, spacetime, &header)?, reader, size })
-    }
-
-    /// The next rows; none at the end.
-    fn chunk(&mut self) -> Result<Vec<ByteRecord>, Failure> {
-        let rows = self.reader.byte_records().take(CHUNK);
-        rows.map(|row| row.map_err(|error| explain(&self.columns.table, &error))).collect()
+/// The error of the file, of its own kind and not of "other", as which `From` would have it.
+fn plain(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
     }
 }
 
-/// Why a table cannot be read on.
-fn explain(table: &str, error: &csv::Error) -> Failure {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
-            let cells = plural(*len as usize, "cell", "cells");
-            Failure::new(format!("`{table}`, line {line}: {cells}, but there are {expected_len} columns"))
-                .help("give every row as many cells as there are column names; cells may be empty")
-        }
-        _ => {
-            Failure::new(format!("cannot read `{table}`: {error}")).help("name a CSV file with a ray per row")
-        }
-    }
-}
-
-/// Which columns of a table are read, and where they are.
-struct Columns {
-    /// The table's name.
-    table: String,
-    spacetime: Spacetime,
-    /// Those that are copied: labels, then numbers.
-    all: Vec<(&'static str, usize)>,
-    /// How many are labels.
-    labels: usize,
-}
-
-impl Columns {
-    fn find(table: &str, spacetime: Spacetime, header: &ByteRecord) -> Result<Self, Failure> {
-        let numbers = || spacetime.parameters().iter().chain(&RAY).copied();
-        let place = |name: &'static str| {
-            let mut places = header.iter().enumerate().filter(|(_, found)| *found == name.as_bytes());
-            let first = places.next().map(|(place, _)| (name, place));
-            match places.next() {
-                Some(_) => Err(Failure::new(format!("`{table}` has two columns `{name}`"))
-                    .help("give every column a name of its own")),
-                None => Ok(first),
-            }
-        };
-        let mut all = Vec::new();
-        for label in LABELS {
-            all.extend(place(label)?);
-        }
-        let labels = all.len();
-        for name in numbers() {
-            all.push(place(name)?.ok_or_else(|| {
-                let needed: Vec<&str> = numbers().collect();
-                Failure::new(format!("`{table}` has no column `{name}`"))
-                    .help(format!("name the columns in the first line: {}", needed.join(",")))
-            })?);
-        }
-        Ok(Self { table: table.to_owned(), spacetime, all, labels })
-    }
-
-    /// Names of the columns that are written.
-    fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.all.iter().map(|(name, _)| *name).chain(RESULTS)
-    }
-
-    /// The cells that are copied.
-    fn inputs<'a>(&self, row: &'a ByteRecord) -> impl Iterator<Item = &'a [u8]> {
-        self.all.iter().map(|&(_, place)| row.get(place).unwrap_or_default())
-    }
-
-    /// Follows the ray of a row.
-    fn follow(&self, row: &ByteRecord, accuracy: &Accuracy) -> Result<Exit, Failure> {
-        let place = |column: &str, cause: &str| {
-            let line = row.position().map_or(0, csv::Position::line);
-            Failure::new(format!("`{}`, line {line}, {column}: {cause}", self.table))
-        };
-        let mut numbers = Vec::with_capacity(self.all.len());
-        for ((name, _), cell) in self.all.iter().zip(self.inputs(row)).skip(self.labels) {
-            let text = String::from_utf8_lossy(cell);
-            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-            numbers.push(number.ok_or_else(|| {
-                let cause = if text.is_empty() {
-                    "no number".to_owned()
-                } else {
-                    format!("`{text}` is not a number")
-                };
-                place(&format!("column `{name}`"), &cause).help("give a finite number, such as 0.5 or 1e-3")
-            })?);
-        }
-        let (parameters, ray) = numbers.split_at(self.spacetime.parameters().len());
-        let ray = FreeRay {
-            start: DVec3::from_slice(&ray[0..3]),
-            direction: DVec3::from_slice(&ray[3..6]),
-            r_out: ray[6],
-        };
-        free::trace(self.spacetime.of(parameters), &ray, accuracy).map_err(|fault| {
-            let column = match fault.input {
-                Input::SchwarzschildRadius => "column `rs`",
-                Input::Start => "columns `x0`, `y0`, `z0`",
-                Input::Direction => "columns `dx0`, `dy0`, `dz0`",
-                Input::Sphere => "column `r_out`",
-                Input::Stepper => "--stepper",
-            };
-            place(column, &fault.cause).help(fault.remedy)
-        })
-    }
+/// Follows the ray of a row.
+fn follow(columns: &Columns, row: &ByteRecord, accuracy: &Accuracy) -> Result<Exit, Failure> {
+    let (spacetime, ray) = columns.ray(row)?;
+    free::trace(spacetime, &ray, accuracy).map_err(|fault| columns.refuse(line(row), &fault))
 }
 
 /// The cells of [`RESULTS`]; numbers read back exactly.

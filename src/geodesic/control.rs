@@ -60,10 +60,15 @@ const REACH: f64 = 300.0;
 const LEAST_TOLERANCE: f64 = 100.0;
 
 impl<R: Real> Control<R> {
+    /// The tolerance to which smaller ones are raised, radians.
+    pub fn least_tolerance() -> f64 {
+        LEAST_TOLERANCE * R::EPSILON
+    }
+
     /// Control of rays around `medium`: `tolerance` in radians, `arc_tolerance` in scene units.
     pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64, arc_tolerance: f64) -> Self {
         Self {
-            tolerance: R::of(tolerance.max(LEAST_TOLERANCE * R::EPSILON)),
+            tolerance: R::of(tolerance.max(Self::least_tolerance())),
             arc_tolerance: R::of(arc_tolerance),
             horizon: R::of(1.0 / medium.horizon()),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),

@@ -31,8 +31,8 @@ pub(super) struct Tick {
 const APART: f64 = 70.0;
 /// Least distance of labelled decades, points.
 const DECADES_APART: f64 = 46.0;
-/// Decades from which on only powers of ten are labelled.
-const MANY_DECADES: f64 = 2.0;
+/// Length of a decade below which only its ends are labelled, points.
+const LONG_DECADE: f64 = 200.0;
 /// Room beyond the first and last value of an axis around values, relative to the whole.
 const ROOM: f64 = 0.06;
 
@@ -101,7 +101,7 @@ impl Axis {
         exponents
             .flat_map(|exponent| digits.clone().map(move |digit| (digit, exponent)))
             .map(|(digit, exponent)| {
-                let between = decades < MANY_DECADES && (digit == 2 || digit == 5);
+                let between = length > LONG_DECADE * decades && (digit == 2 || digit == 5);
                 let labelled = between || (digit == 1 && exponent % stride == 0);
                 let label = labelled.then(|| log_label(digit, exponent));
                 Tick { value: f64::from(digit) * 10f64.powi(exponent), label }

@@ -20,6 +20,8 @@ impl Color {
     pub const ORANGE: Color = Color("#E69F00");
     /// Sky blue.
     pub const SKY: Color = Color("#56B4E9");
+    /// Wine, of P. Tol's muted palette, "Colour Schemes" (2021).
+    pub const WINE: Color = Color("#882255");
     /// Grey for what is not a curve: not of the palette.
     pub const GREY: Color = Color("#666666");
     /// Grey to lie under curves.
@@ -76,10 +78,18 @@ impl Style {
         Self { filled: true, ..Self::line(color, 0.0) }
     }
 
-    /// A line with markers, unlike any other among the first 42.
+    /// A line with markers, unlike any other among the first 56.
     pub fn nth(index: usize) -> Self {
-        const COLORS: [Color; 6] =
-            [Color::BLUE, Color::VERMILION, Color::GREEN, Color::PURPLE, Color::ORANGE, Color::SKY];
+        const COLORS: [Color; 8] = [
+            Color::BLUE,
+            Color::VERMILION,
+            Color::GREEN,
+            Color::PURPLE,
+            Color::ORANGE,
+            Color::SKY,
+            Color::WINE,
+            Color::BLACK,
+        ];
         const MARKERS: [Marker; 7] = [
             Marker::Circle,
             Marker::Square,

@@ -107,6 +107,17 @@ pub struct Crossing {
     pub drift_l: Option<f64>,
 }
 
+/// A ray, followed for its end only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// How it ended.
+    pub status: Status,
+    /// Where it crossed the sphere, in the chart, and its unit direction there, if it escaped.
+    pub crossing: Option<(DVec3, DVec3)>,
+    /// Steps tried.
+    pub steps: u32,
+}
+
 /// Why a ray cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{cause}")]
@@ -143,15 +154,57 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 /// # Errors
 /// If there is no such ray, or the stepper is the paper's.
 pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, Fault> {
+    answer(spacetime, ray, accuracy)
+}
+
+/// Like [`trace`], without derivatives and times.
+///
+/// # Errors
+/// As [`trace`].
+pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, Fault> {
+    answer(spacetime, ray, accuracy)
+}
+
+/// What is asked about a ray.
+trait Answer: Sized {
+    /// In flat space.
+    fn straight(exit: Exit) -> Self;
+
+    /// Around a centre, with orbits in `R`.
+    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self;
+}
+
+impl Answer for Exit {
+    fn straight(exit: Exit) -> Self {
+        exit
+    }
+
+    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+        orbit.exit::<R>(stepper, tolerance)
+    }
+}
+
+impl Answer for Arrival {
+    fn straight(exit: Exit) -> Self {
+        let crossing = exit.crossing.map(|crossing| (crossing.position, crossing.direction));
+        Self { status: exit.status, crossing, steps: exit.steps }
+    }
+
+    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+        orbit.arrival::<R>(stepper, tolerance)
+    }
+}
+
+fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, Fault> {
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
     match spacetime {
-        SpacetimeKind::Flat => straight(lengths.start(ray, DVec3::ZERO)?, DVec3::ZERO, ray),
+        SpacetimeKind::Flat => Ok(A::straight(straight(lengths.start(ray, DVec3::ZERO)?, DVec3::ZERO, ray))),
         SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
             let x = lengths.start(ray, center)?;
             if schwarzschild_radius == 0.0 {
-                return straight(x, center, ray);
+                return Ok(A::straight(straight(x, center, ray)));
             }
             lengths
                 .check(Input::SchwarzschildRadius, "the Schwarzschild radius", schwarzschild_radius)
@@ -211,13 +264,13 @@ impl Lengths {
 }
 
 /// Follows a ray around `medium`, from `x` relative to its centre.
-fn curved<M: ConformallyFlat>(
+fn curved<M: ConformallyFlat, A: Answer>(
     medium: &M,
     x: DVec3,
     center: DVec3,
     ray: &FreeRay,
     accuracy: &Accuracy,
-) -> Result<Exit, Fault> {
+) -> Result<A, Fault> {
     let epsilon = match accuracy.precision {
         Precision::F32 => f32::EPSILON.into(),
         Precision::F64 => f64::EPSILON,
@@ -233,13 +286,13 @@ fn curved<M: ConformallyFlat>(
     }
     let orbit = Orbit { medium, center, x, ray, launch: Launch::new(medium, x, ray.direction, epsilon) };
     match accuracy.stepper {
-        StepperKind::Rkn6 => Ok(orbit.exit(&Rkn6, accuracy)),
-        StepperKind::Dop853 => Ok(orbit.exit(&Dop853, accuracy)),
-        StepperKind::Dopri5 => Ok(orbit.exit(&Dopri5, accuracy)),
-        StepperKind::Rkf45 => Ok(orbit.exit(&Rkf45, accuracy)),
-        StepperKind::Rkn4 => Ok(orbit.exit(&Rkn4, accuracy)),
-        StepperKind::Rk4 => Ok(orbit.exit(&Rk4, accuracy)),
-        StepperKind::Leapfrog4 => Ok(orbit.exit(&Leapfrog4, accuracy)),
+        StepperKind::Rkn6 => Ok(orbit.answer(&Rkn6, accuracy)),
+        StepperKind::Dop853 => Ok(orbit.answer(&Dop853, accuracy)),
+        StepperKind::Dopri5 => Ok(orbit.answer(&Dopri5, accuracy)),
+        StepperKind::Rkf45 => Ok(orbit.answer(&Rkf45, accuracy)),
+        StepperKind::Rkn4 => Ok(orbit.answer(&Rkn4, accuracy)),
+        StepperKind::Rk4 => Ok(orbit.answer(&Rk4, accuracy)),
+        StepperKind::Leapfrog4 => Ok(orbit.answer(&Leapfrog4, accuracy)),
         StepperKind::Rk4Paper => Err(no_orbits()),
     }
 }
@@ -255,40 +308,69 @@ struct Orbit<'a, M> {
 }
 
 impl<M: ConformallyFlat> Orbit<'_, M> {
-    fn exit(&self, stepper: &impl Stepper, accuracy: &Accuracy) -> Exit {
+    fn answer<A: Answer>(&self, stepper: &impl Stepper, accuracy: &Accuracy) -> A {
         match accuracy.precision {
-            Precision::F32 => self.follow::<f32>(stepper, accuracy.tolerance),
-            Precision::F64 => self.follow::<f64>(stepper, accuracy.tolerance),
+            Precision::F32 => A::around::<M, f32>(self, stepper, accuracy.tolerance),
+            Precision::F64 => A::around::<M, f64>(self, stepper, accuracy.tolerance),
         }
     }
 
-    fn follow<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Exit {
+    /// Inverse radius of the sphere.
+    fn w_out(&self) -> f64 {
+        let on_sphere = (self.launch.w * self.ray.r_out - 1.0).abs() <= ON_SPHERE;
+        if on_sphere { self.launch.w } else { 1.0 / self.ray.r_out }
+    }
+
+    fn status<R>(&self, end: &End<R>) -> Status {
+        match end {
+            End::Crosses(..) => Status::Escaped,
+            End::Falls => Status::Captured,
+            // It is beyond the sphere, but comes back.
+            End::Misses if self.launch.fate == Fate::Falls => Status::Captured,
+            End::Misses => Status::Missed,
+            End::StepLimit => Status::StepLimit,
+            End::NonFinite => Status::NonFinite,
+        }
+    }
+
+    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Arrival {
+        let Self { medium, launch, .. } = self;
+        let start = Phase::new(*medium, R::of(launch.w), R::of(launch.v));
+        let control = Control::new(*medium, tolerance, f64::INFINITY);
+        let w_out = self.w_out();
+        let orbit = (R::of(launch.b), start, launch.fate);
+        let journey = follow(*medium, stepper, &control, orbit, w_out, |_| {});
+        let crossing = match &journey.end {
+            End::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
+            _ => None,
+        };
+        Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
+    }
+
+    /// Position, in the chart, and direction at the inverse radius `w`.
+    fn place(&self, w: f64, v: f64, swept: f64) -> (DVec3, DVec3) {
+        (self.launch.position(w, swept) + self.center, self.launch.direction(w, v, swept))
+    }
+
+    fn exit<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Exit {
         let Self { medium, launch, .. } = self;
         let dual = |value: f64, slope: f64| Dual { value: R::of(value), slope: R::of(slope) };
         // With the angle α between direction and radius, b = n ρ sin α and v = −n cos α; slopes are d/dα.
         let b = dual(launch.b, -launch.v / launch.w);
         let start = Phase::new(*medium, dual(launch.w, 0.0), dual(launch.v, launch.b * launch.w));
-        let on_sphere = (launch.w * self.ray.r_out - 1.0).abs() <= ON_SPHERE;
-        let w_out = if on_sphere { launch.w } else { 1.0 / self.ray.r_out };
+        let w_out = self.w_out();
         let control = Control::new(*medium, tolerance, f64::INFINITY);
         let mut time = 0.0;
         let journey = follow(*medium, stepper, &control, (b, start, launch.fate), w_out, |step| {
             time += elapsed(*medium, stepper, step);
         });
-        let (status, crossing) = match journey.end {
-            End::Crosses(phase, swept) => {
-                (Status::Escaped, Some(self.crossing(b, (phase, swept), w_out, time)))
-            }
-            End::Falls => (Status::Captured, None),
-            // It is beyond the sphere, but comes back.
-            End::Misses if launch.fate == Fate::Falls => (Status::Captured, None),
-            End::Misses => (Status::Missed, None),
-            End::StepLimit => (Status::StepLimit, None),
-            End::NonFinite => (Status::NonFinite, None),
+        let crossing = match journey.end {
+            End::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
+            _ => None,
         };
         let critical = medium.critical_impact_parameter();
         Exit {
-            status,
+            status: self.status(&journey.end),
             crossing,
             b: launch.b,
             eps: (critical > 0.0).then(|| (launch.b - critical) / critical),
@@ -340,7 +422,7 @@ fn drift_l(before: f64, after: f64) -> Option<f64> {
 }
 
 /// Follows a ray in flat space from `x` relative to the centre of its sphere, in closed form.
-fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Result<Exit, Fault> {
+fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Exit {
     let (rho, r_out) = (x.length(), ray.r_out);
     let direction = ray.direction.normalize();
     let b = spin(x, ray.direction);
@@ -362,7 +444,7 @@ fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Result<Exit, Fault> {
         }
     });
     let status = if crosses { Status::Escaped } else { Status::Missed };
-    Ok(Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 })
+    Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 }
 }
 
 #[cfg(test)]
@@ -405,6 +487,24 @@ mod tests {
             let expected =
                 if start[0] == 9.0 && direction[0] < 0.0 && status != Status::Captured { 1 } else { 0 };
             assert_eq!(usize::from(found.r_min.is_some()), expected, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn an_arrival_is_the_end_of_the_exit() {
+        for precision in [Precision::F32, Precision::F64] {
+            for (start, direction, r_out) in [
+                ([2.0, 0.3, 0.0], [1.0, 1.0, 0.2], 5.0),
+                ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 50.0),
+                ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0),
+                ([9.0, 0.0, 0.0], [1.0, 0.0, 0.0], 5.0),
+            ] {
+                let (ray, accuracy) = (ray(start, direction, r_out), Accuracy { precision, ..ACCURACY });
+                for spacetime in [HOLE, SpacetimeKind::Flat] {
+                    let full = trace(spacetime, &ray, &accuracy).unwrap();
+                    assert_eq!(arrive(spacetime, &ray, &accuracy).unwrap(), Arrival::straight(full));
+                }
+            }
         }
     }
 

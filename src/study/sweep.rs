@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use glam::{DVec2, DVec3};
 
 use super::fate::Fate;
+use crate::geodesic::Control;
 use crate::geometry::{Geometry, PrimitiveId};
-use crate::scene::{Baked, Filter, Schedule, Settings, StepperKind};
+use crate::scene::{Baked, Filter, Precision, Schedule, Settings, StepperKind};
 use crate::trace::{self, Ray, Run, Shot, Stats, shoot, transport::Outcome};
 
 /// A way to integrate rays.
@@ -16,6 +17,8 @@ pub struct Setting {
     pub stepper: StepperKind,
     /// Its tolerance, radians; `None` for a stepper that knows none.
     pub tolerance: Option<f64>,
+    /// Numbers that orbits are followed in.
+    pub precision: Precision,
     /// The schedule.
     pub schedule: Schedule,
 }
@@ -42,6 +45,8 @@ pub struct Spread {
     pub median: f64,
     /// 99th percentile.
     pub p99: f64,
+    /// Largest.
+    pub max: f64,
 }
 
 /// How far rays end from where they should, over those that end in the right way; `None` if none do.
@@ -91,18 +96,29 @@ const EXACT_ARC: f64 = 1e-4;
 const CAMERA_SPP: u32 = 8;
 
 impl Setting {
-    /// All combinations, but one tolerance (none) for steppers that know none.
-    pub fn grid(steppers: &[StepperKind], tolerances: &[f64], schedules: &[Schedule]) -> Vec<Self> {
+    /// All combinations, but only tolerances that a precision has, and for the paper's stepper, which knows neither, one
+    /// setting per schedule.
+    pub fn grid(
+        steppers: &[StepperKind],
+        precisions: &[Precision],
+        tolerances: &[f64],
+        schedules: &[Schedule],
+    ) -> Vec<Self> {
         let mut settings = Vec::new();
         for &schedule in schedules {
             for &stepper in steppers {
-                match stepper {
-                    StepperKind::Rk4Paper => settings.push(Self { stepper, tolerance: None, schedule }),
-                    _ => settings.extend(tolerances.iter().map(|&tolerance| Self {
+                if stepper == StepperKind::Rk4Paper {
+                    settings.push(Self { stepper, tolerance: None, precision: Precision::F64, schedule });
+                    continue;
+                }
+                for &precision in precisions {
+                    let tolerances = tolerances_for(precision, tolerances).map(Some);
+                    settings.extend(tolerances.map(|tolerance| Self {
                         stepper,
-                        tolerance: Some(tolerance),
+                        tolerance,
+                        precision,
                         schedule,
-                    })),
+                    }));
                 }
             }
         }
@@ -111,9 +127,19 @@ impl Setting {
 
     /// `base` with this setting in it.
     fn over(&self, base: &Settings) -> Settings {
-        let Self { stepper, tolerance, schedule } = *self;
-        Settings { stepper, tolerance: tolerance.unwrap_or(base.tolerance), schedule, ..base.clone() }
+        let Self { stepper, tolerance, precision, schedule } = *self;
+        let tolerance = tolerance.unwrap_or(base.tolerance);
+        Settings { stepper, tolerance, precision, schedule, ..base.clone() }
     }
+}
+
+/// Those of `tolerances` to which rays in numbers of `precision` can be held.
+pub(super) fn tolerances_for(precision: Precision, tolerances: &[f64]) -> impl Iterator<Item = f64> {
+    let least = match precision {
+        Precision::F32 => Control::<f32>::least_tolerance(),
+        Precision::F64 => Control::<f64>::least_tolerance(),
+    };
+    tolerances.iter().copied().filter(move |&tolerance| tolerance >= least)
 }
 
 /// Measures all settings of `plan` on `scene`, in the size that its settings say; `progress` is told how many of how
@@ -123,6 +149,7 @@ pub fn sweep(mut scene: Baked, plan: &Plan, progress: &dyn Fn(usize, usize)) -> 
     scene.settings = Settings {
         stepper: Settings::default().stepper,
         tolerance: EXACT,
+        precision: Precision::F64,
         arc_tolerance: Some(EXACT_ARC * scene.arc_tolerance()),
         ..base.clone()
     };
@@ -219,17 +246,18 @@ fn alike(geometry: &Geometry, a: &Shot, b: &Shot) -> bool {
 }
 
 /// Angle between unit vectors, also where it is too small for its cosine.
-fn angle(a: DVec3, b: DVec3) -> f64 {
+pub(super) fn angle(a: DVec3, b: DVec3) -> f64 {
     2.0 * (0.5 * a.distance(b)).min(1.0).asin()
 }
 
 impl Spread {
     /// The spread of `values`; `None` if there are none.
-    fn of(mut values: Vec<f64>) -> Option<Self> {
+    pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         let count = values.len();
         let rmse = (values.iter().map(|value| value * value).sum::<f64>() / count as f64).sqrt();
-        Some(Self { rmse, median: *values.get(count / 2)?, p99: *values.get(count * 99 / 100)? })
+        let at = |index: usize| values.get(index).copied();
+        Some(Self { rmse, median: at(count / 2)?, p99: at(count * 99 / 100)?, max: *values.last()? })
     }
 }
 
@@ -273,16 +301,21 @@ mod tests {
 
     #[test]
     fn a_stepper_without_tolerance_is_measured_once_per_schedule() {
-        let steppers = [StepperKind::Rkn6, StepperKind::Rk4Paper];
-        let grid = Setting::grid(&steppers, &[1e-2, 1e-3], &[Schedule::Wavefront, Schedule::PerPixel]);
-        assert_eq!(grid.len(), 6);
+        let grid = Setting::grid(
+            &[StepperKind::Rkn6, StepperKind::Rk4Paper],
+            &[Precision::F64, Precision::F32],
+            &[1e-2, 1e-6],
+            &[Schedule::Wavefront, Schedule::PerPixel],
+        );
+        assert_eq!(grid.len(), 8);
         assert_eq!(grid.iter().filter(|setting| setting.tolerance.is_none()).count(), 2);
+        assert_eq!(grid.iter().filter(|setting| setting.precision == Precision::F32).count(), 2);
     }
 
     #[test]
     fn spreads_are_those_of_textbooks() {
         let spread = Spread::of((0..=200).rev().map(f64::from).collect()).unwrap();
-        assert_eq!((spread.median, spread.p99), (100.0, 198.0));
+        assert_eq!((spread.median, spread.p99, spread.max), (100.0, 198.0, 200.0));
         assert_eq!(Spread::of(vec![3.0, 4.0]).unwrap().rmse, 12.5f64.sqrt());
         assert_eq!(Spread::of(Vec::new()), None);
     }

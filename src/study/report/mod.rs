@@ -1,0 +1,114 @@
+//! Measurements for people and papers: tables, CSV, diagrams.
+
+pub mod ends;
+pub mod scene;
+
+use clap::ValueEnum;
+
+use super::pareto::front;
+use super::sweep::Spread;
+use crate::plot::{Color, Series, Style};
+use crate::scene::{Precision, Schedule, StepperKind};
+
+/// Width of the line under a front, points.
+const FRONT: f64 = 12.0;
+
+/// A value of an error for which there may be none.
+fn of(spread: Option<Spread>, value: fn(&Spread) -> f64) -> f64 {
+    spread.as_ref().map_or(f64::NAN, value)
+}
+
+/// An error in a table.
+fn error(spread: Option<Spread>, value: fn(&Spread) -> f64) -> String {
+    spread.as_ref().map_or_else(|| "–".to_owned(), |spread| format!("{:.1e}", value(spread)))
+}
+
+/// A share in a table.
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// A cell of a CSV file, empty without a value.
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// The name under which a setting is given on the command line.
+fn name(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// What marks a row of a table.
+fn mark(on_front: bool) -> String {
+    if on_front { "*" } else { "" }.to_owned()
+}
+
+/// A table in Markdown.
+fn markdown<const N: usize>(header: [&str; N], rows: Vec<[String; N]>) -> String {
+    let rows: Vec<[String; N]> = [header.map(str::to_owned)].into_iter().chain(rows).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..N).map(width).collect();
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let mut lines: Vec<String> = rows
+        .iter()
+        .map(|row| line(row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}")).collect()))
+        .collect();
+    lines.insert(1, line(widths.iter().map(|&width| format!("{}:", "-".repeat(width - 1))).collect()));
+    lines.concat()
+}
+
+/// What a curve is of.
+#[derive(Clone, Copy, PartialEq)]
+struct Curve {
+    stepper: StepperKind,
+    precision: Precision,
+    /// None where all curves have the same.
+    schedule: Option<Schedule>,
+}
+
+impl Curve {
+    fn name(self) -> String {
+        let precision = match self.precision {
+            Precision::F32 => " f32",
+            Precision::F64 => "",
+        };
+        let schedule = self.schedule.map_or_else(String::new, |schedule| format!(", {}", name(schedule)));
+        format!("{}{precision}{schedule}", name(self.stepper))
+    }
+}
+
+/// The curves through `points` over their Pareto front; broken lines are single precision.
+fn series(points: &[(Curve, [f64; 2])]) -> Vec<Series> {
+    let places: Vec<[f64; 2]> = points.iter().map(|(_, place)| *place).collect();
+    let on_front = front(&places);
+    let mut best: Vec<[f64; 2]> =
+        places.iter().zip(on_front).filter(|(_, on)| *on).map(|(place, _)| *place).collect();
+    best.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut series = vec![Series {
+        name: "Pareto front".to_owned(),
+        style: Style::line(Color::PALE, FRONT),
+        curves: vec![best],
+    }];
+    // Both precisions of a stepper look alike but for the line.
+    let mut curves: Vec<Curve> = Vec::new();
+    let mut pairs: Vec<Curve> = Vec::new();
+    for &(curve, place) in points {
+        let index = position(&mut curves, curve);
+        if index + 1 == series.len() {
+            let dashed = curve.precision == Precision::F32;
+            let pair = position(&mut pairs, Curve { precision: Precision::F64, ..curve });
+            let style = Style { dashed, ..Style::nth(pair) };
+            series.push(Series { name: curve.name(), style, curves: vec![Vec::new()] });
+        }
+        series[index + 1].curves[0].push(place);
+    }
+    series
+}
+
+/// Where `curve` is among `known`, to which it is added if it is not.
+fn position(known: &mut Vec<Curve>, curve: Curve) -> usize {
+    known.iter().position(|&other| other == curve).unwrap_or_else(|| {
+        known.push(curve);
+        known.len() - 1
+    })
+}
