@@ -2,13 +2,13 @@
 
 use std::io::{self, Write};
 
-use super::{Curve, cell, error, mark, markdown, name, of, percent, series};
+use super::{Curve, cell, error, mark, markdown, name, of, over, over_front, percent};
 use crate::plot::{Axis, Chart, Figure};
 use crate::study::ends::Measurement;
 use crate::study::pareto::front;
 
-/// Size of the diagram, points.
-const CHART: [f64; 2] = [800.0, 520.0];
+/// Size of one diagram, points.
+const CHART: [f64; 2] = [520.0, 460.0];
 
 /// 99th percentile of the error of direction at the start, radians, and time per ray, nanoseconds: what fronts are judged
 /// by.
@@ -94,20 +94,39 @@ pub fn write_csv(measurements: &[Measurement], mut out: impl Write) -> io::Resul
     Ok(())
 }
 
-/// Work against precision: time per ray over the 99th percentile of the error.
+/// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the tolerance.
 pub fn figure(measurements: &[Measurement]) -> Figure {
     let curve = |m: &Measurement| Curve {
         stepper: m.setting.stepper,
         precision: m.setting.precision,
         schedule: None,
     };
-    let points: Vec<(Curve, [f64; 2])> = measurements.iter().map(|m| (curve(m), trade(m))).collect();
-    let chart = Chart {
-        title: "99th percentile of the error".to_owned(),
-        x: Axis::log_around("angle at the end / sens (radians)", points.iter().map(|(_, [x, _])| *x)),
-        y: Axis::log_around("time per ray (ns)", points.iter().map(|(_, [_, y])| *y)),
+    let chart = |title: &str, [x, y]: [&str; 2], points: &[(Curve, [f64; 2])], series| Chart {
+        title: title.to_owned(),
+        x: Axis::log_around(x, points.iter().map(|(_, [x, _])| *x)),
+        y: Axis::log_around(y, points.iter().map(|(_, [_, y])| *y)),
         size: CHART,
-        series: series(&points),
+        series,
     };
-    Figure { charts: vec![chart] }
+    let work: Vec<(Curve, [f64; 2])> = measurements.iter().map(|m| (curve(m), trade(m))).collect();
+    let largest = |m: &Measurement| of(m.errors.direction_over_sens, |spread| spread.max);
+    let kept: Vec<(Curve, [f64; 2])> =
+        measurements.iter().map(|m| (curve(m), [m.setting.tolerance, largest(m)])).collect();
+    let mut allowed: Vec<[f64; 2]> = kept.iter().map(|(_, [tolerance, _])| [*tolerance; 2]).collect();
+    allowed.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let charts = vec![
+        chart(
+            "Work and precision, 99 % of the rays",
+            ["angle at the end / sens (radians)", "time per ray (ns)"],
+            &work,
+            over_front(&work),
+        ),
+        chart(
+            "Largest error and tolerance",
+            ["tolerance (radians)", "angle at the end / sens (radians)"],
+            &kept,
+            over("error = tolerance", allowed, &kept),
+        ),
+    ];
+    Figure { charts }
 }

@@ -77,18 +77,20 @@ impl Curve {
     }
 }
 
-/// The curves through `points` over their Pareto front; broken lines are single precision.
-fn series(points: &[(Curve, [f64; 2])]) -> Vec<Series> {
+/// The curves through `points` over their Pareto front.
+fn over_front(points: &[(Curve, [f64; 2])]) -> Vec<Series> {
     let places: Vec<[f64; 2]> = points.iter().map(|(_, place)| *place).collect();
     let on_front = front(&places);
     let mut best: Vec<[f64; 2]> =
         places.iter().zip(on_front).filter(|(_, on)| *on).map(|(place, _)| *place).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut series = vec![Series {
-        name: "Pareto front".to_owned(),
-        style: Style::line(Color::PALE, FRONT),
-        curves: vec![best],
-    }];
+    over("Pareto front", best, points)
+}
+
+/// The curves through `points` over a broad line; broken lines are single precision.
+fn over(name: &str, line: Vec<[f64; 2]>, points: &[(Curve, [f64; 2])]) -> Vec<Series> {
+    let mut series =
+        vec![Series { name: name.to_owned(), style: Style::line(Color::PALE, FRONT), curves: vec![line] }];
     // Both precisions of a stepper look alike but for the line.
     let mut curves: Vec<Curve> = Vec::new();
     let mut pairs: Vec<Curve> = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{Curve, cell, error, mark, markdown, name, of, percent, series};
+use super::{Curve, cell, error, mark, markdown, name, of, over_front, percent};
 use crate::plot::{Axis, Chart, Figure};
 use crate::study::pareto::front;
 use crate::study::sweep::{Measurement, Spread};
@@ -110,7 +110,7 @@ pub fn figure(measurements: &[Measurement]) -> Figure {
             x: Axis::log_around("error (pixels)", points.iter().map(|(_, [x, _])| *x)),
             y: Axis::log_around("time per camera ray (ns)", points.iter().map(|(_, [_, y])| *y)),
             size: CHART,
-            series: series(&points),
+            series: over_front(&points),
         }
     };
     let charts = vec![
