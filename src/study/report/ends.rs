@@ -122,7 +122,7 @@ pub fn figure(measurements: &[Measurement]) -> Figure {
             over_front(&work),
         ),
         chart(
-            "Largest error and tolerance",
+            "Largest error (grey: the tolerance)",
             ["tolerance (radians)", "angle at the end / sens (radians)"],
             &kept,
             over("error = tolerance", allowed, &kept),
