@@ -37,8 +37,8 @@ const GROWTH: (f64, f64) = (0.2, 4.0);
 const HALVED: f64 = 0.5;
 /// Aims a little below the tolerance, so that most steps are accepted.
 const SAFETY: f64 = 0.85;
-/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and as much again for the angle
-/// that every step is given whatever it sweeps.
+/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that every
+/// step is given whatever it sweeps.
 const SWEEP: f64 = 3.5;
 /// Angle that a step's share of the tolerance is counted for at least, radians: nearly radial rays sweep next to
 /// nothing.
@@ -55,7 +55,6 @@ const LONGEST_FALL: f64 = 0.5;
 const LONGEST_RISE: f64 = 1.0;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
-
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
