@@ -1,11 +1,15 @@
 //! The command as a user meets it: exit codes, messages, and the files that are left.
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::fs;
 use std::io::Read;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use tempfile::TempDir;
+use command::{Folder, assert_good, assert_refused, stderr};
 
 const SCENE: &str = "
 [camera]
@@ -22,27 +26,19 @@ sphere = { center = [0, 0, 0], radius = 1 }
 ";
 
 /// A folder with a scene in it, in which the command runs.
-struct Place(TempDir);
+struct Place(Folder);
+
+impl Deref for Place {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Place {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null());
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().unwrap()
+        Self(Folder::with(&[("scene.toml", SCENE)]))
     }
 
     fn render(&self, flags: &[&str]) -> Output {
@@ -51,7 +47,7 @@ impl Place {
 
     /// Names of all files but the scene, sorted.
     fn files(&self) -> Vec<String> {
-        let mut names = names(self.0.path());
+        let mut names = names(self.folder());
         names.retain(|name| name != "scene.toml");
         names
     }
@@ -63,24 +59,6 @@ fn names(folder: &Path) -> Vec<String> {
         entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Bad input: exit code 2, an `error:` line, everything in `said`, no panic.
-fn assert_refused(output: &Output, said: &[&str]) {
-    let text = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
-    for part in said {
-        assert!(text.contains(part), "{text}\nlacks {part:?}");
-    }
-}
-
-fn assert_good(output: &Output) {
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
 }
 
 /// A small file system of its own at a new folder.

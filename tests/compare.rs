@@ -1,10 +1,13 @@
 //! `warpfront compare` as a user meets it: the verdict on rendered pictures, the files, exit codes and messages.
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+#[path = "common/command.rs"]
+mod command;
 
-use tempfile::TempDir;
+use std::fs;
+use std::ops::Deref;
+use std::process::Output;
+
+use command::{Folder, assert_code, assert_refused, stderr, stdout};
 use warpfront::film::{Image, read_exr, write_exr};
 
 /// A lit sphere on a floor: few paths find the lamp, so that there is noise.
@@ -34,13 +37,19 @@ material = \"lamp\"
 ";
 
 /// A folder with a scene in it, in which the command runs.
-struct Place(TempDir);
+struct Place(Folder);
+
+impl Deref for Place {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Place {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
-        Self(folder)
+        Self(Folder::with(&[("scene.toml", SCENE)]))
     }
 
     /// With the pictures `a.exr` and `b.exr` of different seeds, with variances.
@@ -49,15 +58,6 @@ impl Place {
         place.render("a.exr", &["--seed", "1", "--aov", "variance,depth"]);
         place.render("b.exr", &["--seed", "2", "--aov", "variance,depth"]);
         place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null()).output().unwrap()
     }
 
     fn render(&self, name: &str, flags: &[&str]) {
@@ -83,34 +83,11 @@ impl Place {
     }
 
     fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
+        let entries = fs::read_dir(self.folder()).unwrap();
         let mut names: Vec<String> =
             entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
-    }
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_code(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}{}", stdout(output), stderr(output));
-}
-
-/// Bad input: exit code 2, an `error:` line, everything in `said`, no panic, no result.
-fn assert_refused(output: &Output, said: &[&str]) {
-    assert_code(output, 2);
-    let text = stderr(output);
-    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
-    assert!(output.stdout.is_empty());
-    for part in said {
-        assert!(text.contains(part), "{text}\nlacks {part:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → study → plot, film, trace → scene → asset, shade, geometry →
+/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset, shade, geometry →
 /// geodesic → spacetime → math.
 const ALLOWED: [(&str, &[&str]); 12] = [
     ("math", &[]),
@@ -15,7 +15,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     ("film", &["math"]),
     ("scene", &["asset", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("plot", &[]),
+    ("plot", &["film"]),
     ("study", &["trace", "scene", "film", "plot", "geometry", "geodesic", "spacetime", "math"]),
     ("cli", &["study", "trace", "scene", "film", "plot", "shade", "geometry"]),
 ];

@@ -1,12 +1,15 @@
 //! `warpfront rays`: the files, the points in them, and what is refused.
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::ops::Deref;
+use std::process::Output;
 
+use command::{Folder, assert_good, stderr};
 use glam::DVec3;
-use tempfile::TempDir;
 
 /// A hole of r_s = 1 between the camera and a ball.
 const SCENE: &str = "
@@ -25,23 +28,23 @@ sphere = { center = [3, 1, -4], radius = 1 }
 ";
 const HOLE: DVec3 = DVec3::Y;
 
-struct Place(TempDir);
+struct Place(Folder);
+
+impl Deref for Place {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Place {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        Self(Folder::with(&[("scene.toml", SCENE)]))
     }
 
     fn rays(&self, output: &str, flags: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(["rays", "scene.toml", "-o", output]).args(flags);
-        command.stdin(Stdio::null()).output().unwrap()
+        self.run(&[&["rays", "scene.toml", "-o", output], flags].concat())
     }
 
     /// Points and fate of each ray.
@@ -61,14 +64,6 @@ impl Place {
         }
         rays
     }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_good(output: &Output) {
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
 }
 
 #[test]
@@ -197,6 +192,6 @@ fn bad_flags_are_refused_with_a_remedy() {
         assert_eq!(result.status.code(), Some(2), "{text}");
         assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
         said.iter().for_each(|part| assert!(text.contains(part), "{text}\nlacks {part:?}"));
-        assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 1);
+        assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
 }

@@ -1,11 +1,15 @@
 //! `warpfront study`: the files, the numbers in them, and what is refused.
 
+#[path = "common/command.rs"]
+mod command;
+
 use std::collections::HashMap;
 use std::fs;
+use std::ops::Deref;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
-use tempfile::TempDir;
+use command::{Folder, assert_refused, stderr};
 
 /// A hole of r_s = 1 between the camera and a wall.
 const SCENE: &str = "
@@ -23,22 +27,19 @@ disk = { center = [0, 0, -6], normal = [0, 0, 1], outer = 6 }
 ";
 const SMALL: [&str; 6] = ["--size", "24x18", "--rounds", "1", "--spp", "1"];
 
-struct Place(TempDir);
+struct Place(Folder);
+
+impl Deref for Place {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Place {
     fn new(scene: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.toml"), scene).unwrap();
-        Self(folder)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null()).output().unwrap()
+        Self(Folder::with(&[("scene.toml", scene)]))
     }
 
     fn study(&self, prefix: &str, flags: &[&str]) -> Output {
@@ -72,18 +73,6 @@ impl Place {
         };
         (lines.map(row).collect(), String::from_utf8(output.stdout.clone()).unwrap())
     }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Bad input: exit code 2, an `error:` line, everything in `said`, no panic.
-fn assert_refused(output: &Output, said: &[&str]) {
-    let text = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
-    said.iter().for_each(|part| assert!(text.contains(part), "{text}\nlacks {part:?}"));
 }
 
 fn number(row: &HashMap<String, String>, column: &str) -> f64 {
@@ -295,7 +284,7 @@ fn bad_tables_of_rays_are_refused_with_a_remedy() {
     for (text, flags, said) in cases {
         let place = Place::new(SCENE);
         assert_refused(&place.study_rays(&text, flags), &[&["help: "], said].concat());
-        assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 2, "{text}");
+        assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 2, "{text}");
     }
 }
 
@@ -314,7 +303,7 @@ fn a_scene_or_rays_are_studied_and_not_both() {
     refused(&["--set", "camera.near=1"], &["nothing to study", "SCENE"]);
     refused(&["scene.toml", "--spacetime", "flat"], &["--spacetime", "cannot be used"]);
     refused(&["--rays", "none.csv"], &["cannot read `none.csv`", "help:"]);
-    assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 2);
+    assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 2);
 }
 
 #[test]
@@ -356,6 +345,6 @@ fn bad_flags_are_refused_with_a_remedy() {
     ];
     for (prefix, flags, said) in cases {
         assert_refused(&place.study(prefix, flags), said);
-        assert_eq!(fs::read_dir(place.0.path()).unwrap().count(), 1);
+        assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
 }

@@ -1,23 +1,34 @@
 //! `warpfront trace` as a user meets it: exact end states at every preset, the files, messages and exit codes.
 
+#[path = "common/command.rs"]
+mod command;
 mod common;
 
 use std::fs;
+use std::ops::Deref;
 use std::path::PathBuf;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
+use command::{Folder, assert_code, assert_refused, stderr};
 use common::{Row, table};
-use tempfile::TempDir;
 
 /// Columns of rays around a hole.
 const HEADER: &str = "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n";
 
 /// A folder in which the command runs.
-struct Place(TempDir);
+struct Place(Folder);
+
+impl Deref for Place {
+    type Target = Folder;
+
+    fn deref(&self) -> &Folder {
+        &self.0
+    }
+}
 
 impl Place {
     fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
+        Self(Folder::with(&[]))
     }
 
     /// With the rays of `text` in `rays.csv`.
@@ -33,17 +44,8 @@ impl Place {
         Self::with(&fs::read_to_string(path).unwrap())
     }
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-        command.current_dir(self.0.path()).args(arguments).stdin(Stdio::null()).output().unwrap()
     }
 
     /// Runs `trace` on `rays.csv` around a hole.
@@ -58,29 +60,11 @@ impl Place {
     }
 
     fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).unwrap();
+        let entries = fs::read_dir(self.folder()).unwrap();
         let mut names: Vec<String> =
             entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
-    }
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_code(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}", stderr(output));
-}
-
-/// Bad input: exit code 2, an `error:` line, everything in `said`, a remedy, no panic.
-fn assert_refused(output: &Output, said: &[&str]) {
-    assert_code(output, 2);
-    let text = stderr(output);
-    assert!(text.starts_with("error: ") && !text.contains("panicked"), "{text}");
-    for part in said {
-        assert!(text.contains(part), "{text:?} lacks {part:?}");
     }
 }
 
@@ -289,10 +273,8 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
 fn a_reader_that_has_gone_away_is_no_failure() {
     // Larger than a pipe holds.
     let place = Place::with(&format!("{HEADER}{}", "1,10,3,0,-1,0,0,50\n".repeat(2000)));
-    let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
-    command.current_dir(place.0.path()).args(["trace", "--spacetime", "schwarzschild", "rays.csv"]);
-    let mut child =
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut command = place.command(&["trace", "--spacetime", "schwarzschild", "rays.csv"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_code(&output, 0);

@@ -345,6 +345,17 @@ impl SettingArgs {
     }
 }
 
+/// A list without repetitions, in order.
+pub(super) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
+    let mut distinct = Vec::new();
+    for &value in values {
+        if !distinct.contains(&value) {
+            distinct.push(value);
+        }
+    }
+    distinct
+}
+
 /// How the render runs.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Run")]
@@ -379,19 +390,13 @@ impl RunArgs {
                 Failure::new(message).help(format!("stay within 0,0,{width},{height}, or change --size"))
             );
         }
-        let mut aovs = Vec::new();
-        for &aov in &self.aovs {
-            if !aovs.contains(&aov) {
-                aovs.push(aov);
-            }
-        }
         Ok(Run {
             threads: self.threads,
             batch: self.batch.unwrap_or(Run::default().batch),
             time_limit: self.time_limit,
             noise: self.noise,
             crop: self.crop,
-            aovs,
+            aovs: distinct(&self.aovs),
         })
     }
 }

@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use super::args::InfoArgs;
 use super::failure::Failure;
-use super::stages::{self, Stage, flag_name};
+use super::stages::{self, Stage};
 use super::units::{bytes, plural};
 use super::{Outcome, cost, memory, print};
 use crate::geometry::Counts;
-use crate::scene::{self, Baked, Settings, SpacetimeKind};
+use crate::scene::{self, Baked, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
 
 /// Prints what a scene holds.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::units::plural;
-use crate::scene::{Baked, SpacetimeKind, StepperKind};
+use crate::scene::{Baked, SpacetimeKind, StepperKind, flag_name};
 
 /// One stage.
 #[derive(Debug, PartialEq, Serialize)]
@@ -29,11 +29,6 @@ pub(super) fn of(scene: &Baked) -> Vec<Stage> {
 
 fn stage(name: &'static str, runs: bool, why: impl Into<String>) -> Stage {
     Stage { name, runs, why: why.into() }
-}
-
-/// The name under which a setting is given on the command line.
-pub(super) fn flag_name(value: impl clap::ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 fn advance(scene: &Baked) -> Stage {

@@ -8,7 +8,7 @@ use csv::ByteRecord;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::args::StudyArgs;
+use super::args::{StudyArgs, distinct};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::progress::Bar;
@@ -222,15 +222,4 @@ fn with_suffix(prefix: &Path, extension: &str) -> PathBuf {
     name.push(".");
     name.push(extension);
     name.into()
-}
-
-/// The values without repetitions, in order.
-fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
-    let mut distinct = Vec::new();
-    for &value in values {
-        if !distinct.contains(&value) {
-            distinct.push(value);
-        }
-    }
-    distinct
 }

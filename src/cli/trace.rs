@@ -14,10 +14,10 @@ use super::interrupt::Interrupt;
 use super::outputs::same_file;
 use super::progress::Bar;
 use super::rays_table::{Columns, Table, line};
-use super::stages::flag_name;
 use super::units::{decimal, plural};
 use super::{Outcome, say};
 use crate::film::atomic::Output;
+use crate::scene::flag_name;
 use crate::study::free::{self, Accuracy, Crossing, Exit, Status};
 
 /// Columns that are written.

@@ -11,6 +11,7 @@
 use glam::DVec3;
 
 use super::Step;
+use crate::math::quadrature::mean;
 use crate::math::real::Real;
 
 /// A rational quadratic Bézier curve in standard form, weights (1, w, 1):
@@ -62,16 +63,9 @@ impl Arc {
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// Length from the start to `s`, by Gauss–Legendre quadrature of order 10.
+    /// Length from the start to `s`, by quadrature of order 16.
     pub fn length(&self, s: f64) -> f64 {
-        const NODES: [(f64, f64); 5] = [
-            (0.0, 128.0 / 225.0),
-            (0.538_469_310_105_683, 0.478_628_670_499_366),
-            (-0.538_469_310_105_683, 0.478_628_670_499_366),
-            (0.906_179_845_938_664, 0.236_926_885_056_189),
-            (-0.906_179_845_938_664, 0.236_926_885_056_189),
-        ];
-        NODES.iter().map(|(x, w)| w * self.velocity(0.5 * s * (1.0 + x)).length()).sum::<f64>() * 0.5 * s
+        s * mean(|share| self.velocity(share * s).length())
     }
 
     /// Distance of the point farthest from the chord p0 p2.

@@ -17,8 +17,8 @@ pub struct Trial<R> {
     pub velocity_error: R,
 }
 
-/// From what is known of a step to its error along the orbit, which is what remains: factors measured on random steps
-/// around a hole, such that nine of ten errors are smaller than the estimate.
+/// From what is known of a step to its error along the orbit, which is what remains: factors calibrated on random rays
+/// around a hole, such that the error of a whole ray keeps within its tolerance (`tests/tolerance.rs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Power of the step length with which the estimate falls.

@@ -22,16 +22,9 @@
 //! may vanish, and the integral is one over ψ along the step's dense output.
 
 use super::{Phase, Step, Stepper};
+use crate::math::quadrature::mean;
 use crate::math::real::Real;
 use crate::spacetime::ConformallyFlat;
-
-/// Positive nodes and weights of Gauss–Legendre quadrature of order 16 on [−1, 1].
-const NODES: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
-];
 
 /// Swept angle, radians, below which ψ and ξ are the same number.
 const SMALL_ANGLE: f64 = 1e-8;
@@ -80,11 +73,6 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
     } else {
         start.v / start.w - end.v / end.w + sign * far * (end.w / start.w).ln() + integral
     }
-}
-
-/// The mean over [0, 1].
-fn mean(f: impl Fn(f64) -> f64) -> f64 {
-    NODES.map(|(x, weight)| 0.5 * weight * (f(0.5 - 0.5 * x) + f(0.5 + 0.5 * x))).iter().sum()
 }
 
 #[cfg(test)]

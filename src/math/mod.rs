@@ -4,4 +4,5 @@ pub mod bernstein;
 pub mod dual;
 pub mod exact;
 pub mod frame;
+pub mod quadrature;
 pub mod real;

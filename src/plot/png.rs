@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
+
+use crate::film::write_rgb8;
 
 /// The characters of charts, so that pictures are the same on machines with other fonts, or none.
 static FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans-subset.ttf");
@@ -28,10 +28,6 @@ pub(super) fn write(svg: &str, out: impl Write) -> io::Result<()> {
     pixels.fill(Color::WHITE);
     resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
     // Opaque, so that the premultiplied colours are the colours.
-    let rgb: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    let encoded = PngEncoder::new(out).write_image(&rgb, width, height, ExtendedColorType::Rgb8);
-    encoded.map_err(|error| match error {
-        ImageError::IoError(error) => error,
-        other => io::Error::other(other),
-    })
+    let rgb: Vec<[u8; 3]> = pixels.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect();
+    write_rgb8(&rgb, (width as usize, height as usize), out)
 }

@@ -120,3 +120,8 @@ impl Default for Settings {
         }
     }
 }
+
+/// The name under which a setting is given on the command line.
+pub fn flag_name(value: impl clap::ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}

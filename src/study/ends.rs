@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
-use super::sweep::{Spread, angle, tolerances_for};
+use super::sweep::{Spread, angle, in_turn, tolerances_for};
 use crate::scene::{Precision, SpacetimeKind, StepperKind};
 
 /// A ray, and how it ends.
@@ -164,18 +164,10 @@ pub fn sweep(
             steps_per_ray: steps / cases.len() as f64,
         });
     }
-    let count = plan.settings.len();
-    let mut repeats = vec![1; count];
-    let mut times: Vec<Vec<f64>> = vec![Vec::new(); count];
-    let runs = count * plan.rounds as usize;
-    // All settings in turn, round after round: a machine that is slow for a while slows all of them.
-    for round in 0..plan.rounds as usize {
-        for (index, setting) in plan.settings.iter().enumerate() {
-            progress(round * count + index, runs);
-            times[index].push(bench.ns_per_ray(setting, &mut repeats[index]));
-        }
-    }
-    progress(runs, runs);
+    let mut repeats = vec![1; plan.settings.len()];
+    let times = in_turn(plan.settings.len(), plan.rounds, progress, |index| {
+        bench.ns_per_ray(&plan.settings[index], &mut repeats[index])
+    });
     for (measurement, times) in measurements.iter_mut().zip(times) {
         measurement.ns_per_ray = Spread::of(times).map_or(f64::NAN, |spread| spread.median);
     }

@@ -5,12 +5,11 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
-use super::fate::Fate;
 use crate::geometry::{Cut, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
 use crate::scene::{Baked, SpacetimeKind};
 use crate::spacetime::{ConformallyFlat, Schwarzschild};
-use crate::trace::{Ray, Trail, trails, transport::Outcome};
+use crate::trace::{Fate, Ray, Trail, trails, transport::Outcome};
 
 /// Which rays.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,15 +1,16 @@
 //! Rays followed where nothing is in the way, from any start to a sphere around the centre of the spacetime.
 
+use std::marker::PhantomData;
+
 use glam::DVec3;
 
-use crate::geodesic::{
-    Control, Dop853, Dopri5, End, Launch, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Stepper, elapsed, follow,
-};
+use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
 use crate::math::dual::Dual;
 use crate::math::exact;
 use crate::math::real::Real;
 use crate::scene::{Precision, SpacetimeKind, StepperKind};
 use crate::spacetime::{ConformallyFlat, Fate, Schwarzschild};
+use crate::trace::steppers::{UseStepper, with_stepper};
 
 /// A ray to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -285,15 +286,21 @@ fn curved<M: ConformallyFlat, A: Answer>(
         });
     }
     let orbit = Orbit { medium, center, x, ray, launch: Launch::new(medium, x, ray.direction, epsilon) };
-    match accuracy.stepper {
-        StepperKind::Rkn6 => Ok(orbit.answer(&Rkn6, accuracy)),
-        StepperKind::Dop853 => Ok(orbit.answer(&Dop853, accuracy)),
-        StepperKind::Dopri5 => Ok(orbit.answer(&Dopri5, accuracy)),
-        StepperKind::Rkf45 => Ok(orbit.answer(&Rkf45, accuracy)),
-        StepperKind::Rkn4 => Ok(orbit.answer(&Rkn4, accuracy)),
-        StepperKind::Rk4 => Ok(orbit.answer(&Rk4, accuracy)),
-        StepperKind::Leapfrog4 => Ok(orbit.answer(&Leapfrog4, accuracy)),
-        StepperKind::Rk4Paper => Err(no_orbits()),
+    with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData }).ok_or_else(no_orbits)
+}
+
+/// What is asked about an orbit.
+struct Asked<'a, M, A> {
+    orbit: Orbit<'a, M>,
+    accuracy: &'a Accuracy,
+    answer: PhantomData<A>,
+}
+
+impl<M: ConformallyFlat, A: Answer> UseStepper for Asked<'_, M, A> {
+    type Output = A;
+
+    fn with(self, stepper: impl Stepper + 'static) -> A {
+        self.orbit.answer(&stepper, self.accuracy)
     }
 }
 

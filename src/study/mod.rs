@@ -3,7 +3,6 @@
 pub mod compare;
 pub mod ends;
 mod fan;
-mod fate;
 pub mod free;
 pub mod noise;
 pub mod pareto;

@@ -4,11 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec2, DVec3};
 
-use super::fate::Fate;
 use crate::geodesic::Control;
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::scene::{Baked, Filter, Precision, Schedule, Settings, StepperKind};
-use crate::trace::{self, Ray, Run, Shot, Stats, shoot, transport::Outcome};
+use crate::trace::{self, Fate, Ray, Run, Shot, Stats, shoot, transport::Outcome};
 
 /// A way to integrate rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,21 +158,32 @@ pub fn sweep(mut scene: Baked, plan: &Plan, progress: &dyn Fn(usize, usize)) -> 
         scene.settings = setting.over(&base);
         errors.push(reference.errors(&scene));
     }
-    let mut costs: Vec<Vec<Cost>> = vec![Vec::new(); plan.settings.len()];
-    let runs = plan.settings.len() * plan.rounds as usize;
-    // All settings in turn, round after round: a machine that is slow for a while slows all of them.
-    for round in 0..plan.rounds as usize {
-        for (index, setting) in plan.settings.iter().enumerate() {
-            progress(round * plan.settings.len() + index, runs);
-            scene.settings = setting.over(&base);
-            costs[index].push(Cost::measure(&mut scene, plan));
-        }
-    }
-    progress(runs, runs);
+    let costs = in_turn(plan.settings.len(), plan.rounds, progress, |index| {
+        scene.settings = plan.settings[index].over(&base);
+        Cost::measure(&mut scene, plan)
+    });
     let measured = plan.settings.iter().zip(errors).zip(costs);
     measured
         .map(|((&setting, errors), costs)| Measurement { setting, errors, cost: Cost::median(&costs) })
         .collect()
+}
+
+/// What `measure` gives of each of `count` things in each of `rounds`: all in turn, round after round, so that a machine
+/// that is slow for a while slows all of them. `progress` is told how many of how many runs are done.
+pub(super) fn in_turn<T>(
+    count: usize,
+    rounds: u32,
+    progress: &dyn Fn(usize, usize),
+    mut measure: impl FnMut(usize) -> T,
+) -> Vec<Vec<T>> {
+    let mut measured: Vec<Vec<T>> = (0..count).map(|_| Vec::new()).collect();
+    let runs = count * rounds as usize;
+    for run in 0..runs {
+        progress(run, runs);
+        measured[run % count].push(measure(run % count));
+    }
+    progress(runs, runs);
+    measured
 }
 
 /// Rays and where they should end.

@@ -4,10 +4,8 @@
 use super::columns::Row;
 use super::curved::{CurvedFlight, CurvedMove, Lane};
 use super::stages::advance::{Advance, advance_blocks};
-use crate::geodesic::{
-    Control, Dop853, Dopri5, End, Leapfrog4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper, Verdict, fit_arc,
-    follow,
-};
+use super::steppers::{UseStepper, with_stepper};
+use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
@@ -34,29 +32,31 @@ pub trait March<R: Lane>: Send + Sync {
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R>;
 }
 
-/// The march by `stepper`; the paper's scheme, which is a transport of its own, counts as the default stepper here.
+/// The march by `stepper`; `None` for the paper's scheme, which is a transport of its own.
 pub fn march<M: ConformallyFlat + 'static, R: Lane>(
     medium: M,
     stepper: StepperKind,
     control: Control<R>,
     outer: R,
-) -> Box<dyn March<R>> {
-    fn stepping<M: ConformallyFlat + 'static, R: Lane>(
-        medium: M,
-        stepper: impl Stepper + 'static,
-        (control, outer): (Control<R>, R),
-    ) -> Box<dyn March<R>> {
-        Box::new(Stepping { medium, stepper, control, outer })
-    }
-    let held = (control, outer);
-    match stepper {
-        StepperKind::Rkn6 | StepperKind::Rk4Paper => stepping(medium, Rkn6, held),
-        StepperKind::Dop853 => stepping(medium, Dop853, held),
-        StepperKind::Dopri5 => stepping(medium, Dopri5, held),
-        StepperKind::Rkf45 => stepping(medium, Rkf45, held),
-        StepperKind::Rkn4 => stepping(medium, Rkn4, held),
-        StepperKind::Rk4 => stepping(medium, Rk4, held),
-        StepperKind::Leapfrog4 => stepping(medium, Leapfrog4, held),
+) -> Option<Box<dyn March<R>>> {
+    with_stepper(stepper, Held { medium, control, outer })
+}
+
+/// What a march is made of, but for the stepper.
+struct Held<M, R> {
+    /// The spacetime.
+    medium: M,
+    /// What steps are held to.
+    control: Control<R>,
+    /// Inverse radius beyond which there is nothing to meet.
+    outer: R,
+}
+
+impl<M: ConformallyFlat + 'static, R: Lane> UseStepper for Held<M, R> {
+    type Output = Box<dyn March<R>>;
+
+    fn with(self, stepper: impl Stepper + 'static) -> Box<dyn March<R>> {
+        Box::new(Stepping { held: self, stepper })
     }
 }
 
@@ -67,16 +67,10 @@ pub fn keeps_outside<R: Real>(outer: R, start: &Phase<R>, end: &Phase<R>) -> boo
     (start.w < outer) & (end.w < outer) & ((start.v > zero) == (end.v > zero))
 }
 
-/// A stepper, a spacetime, and what steps are held to.
+/// A march.
 struct Stepping<M, S, R> {
-    /// The spacetime.
-    medium: M,
-    /// The method of integration.
+    held: Held<M, R>,
     stepper: S,
-    /// What its steps are held to.
-    control: Control<R>,
-    /// Inverse radius beyond which there is nothing to meet.
-    outer: R,
 }
 
 impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
@@ -85,12 +79,13 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
 
     #[inline(always)]
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
-        let step = Step::new(&self.medium, &self.stepper, flight.b, flight.phase(), flight.h);
+        let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // What no search follows need not be followed closely.
         let arc_error =
-            if keeps_outside(self.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
-        let Verdict { accepted, next_h, error } = self.control.judge::<S>(&step, arc_error, flight.error);
+            if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
+        let Verdict { accepted, next_h, error } =
+            self.held.control.judge::<S>(&step, arc_error, flight.error);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
             w: step.end.w,
@@ -110,7 +105,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
 
 impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
     fn first_step(&self, b: R, phase: &Phase<R>) -> R {
-        self.control.first_step::<M, S>(&self.medium, b, phase)
+        self.held.control.first_step::<M, S>(&self.held.medium, b, phase)
     }
 
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
@@ -126,10 +121,10 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
     }
 
     fn step(&self, b: R, start: Phase<R>, h: R) -> Step<R> {
-        Step::new(&self.medium, &self.stepper, b, start, h)
+        Step::new(&self.held.medium, &self.stepper, b, start, h)
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R> {
-        follow(&self.medium, &self.stepper, &self.control, (b, start, fate), 0.0, |_| {}).end
+        follow(&self.held.medium, &self.stepper, &self.held.control, (b, start, fate), 0.0, |_| {}).end
     }
 }

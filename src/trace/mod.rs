@@ -5,14 +5,17 @@
 
 mod columns;
 mod curved;
+mod fate;
 mod march;
 mod paper;
 mod path;
 mod per_pixel;
+mod polish;
 mod samples;
 mod shoot;
 pub mod stages;
 mod stats;
+pub mod steppers;
 mod straight;
 mod tile;
 mod trail;
@@ -29,10 +32,11 @@ use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
 use crate::geodesic::Control;
-use crate::scene::{Baked, Precision, SamplerKind, Schedule, SpacetimeKind, StepperKind};
+use crate::scene::{Baked, Precision, SamplerKind, Schedule, SpacetimeKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::{Curved, Lane};
+pub use fate::Fate;
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
 pub use shoot::{Ray, Shot, shoot};
@@ -119,10 +123,9 @@ fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Outpu
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
     let place = Place { medium, center, chart: Chart::new(&medium, nearest.min(core), farthest) };
-    match (settings.stepper, settings.precision) {
-        (StepperKind::Rk4Paper, _) => errand.run(&PaperMarch { medium, center, chart: place.chart }),
-        (_, Precision::F32) => errand.run(&place.curved::<f32>(scene)),
-        (_, Precision::F64) => errand.run(&place.curved::<f64>(scene)),
+    match settings.precision {
+        Precision::F32 => place.run::<f32, E>(scene, errand),
+        Precision::F64 => place.run::<f64, E>(scene, errand),
     }
 }
 
@@ -133,14 +136,25 @@ struct Place<M> {
     chart: Chart,
 }
 
+impl Place<Schwarzschild> {
+    fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
+        match self.curved::<R>(scene) {
+            Some(curved) => errand.run(&curved),
+            None => errand.run(&PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
+        }
+    }
+}
+
 impl<M: ConformallyFlat + 'static> Place<M> {
-    fn curved<R: Lane>(&self, scene: &Baked) -> Curved<M, R> {
+    /// Rays on orbits; `None` if the stepper knows none.
+    fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
         let arc_tolerance = scene.arc_tolerance();
         let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
-        Curved {
+        let outer = R::of(self.chart.outer);
+        Some(Curved {
             medium: self.medium,
-            march: march::march(self.medium, scene.settings.stepper, control, R::of(self.chart.outer)),
+            march: march::march(self.medium, scene.settings.stepper, control, outer)?,
             control,
             arc_tolerance,
             center: self.center,
@@ -148,7 +162,7 @@ impl<M: ConformallyFlat + 'static> Place<M> {
             longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
             longest_chord: CHORD * low.distance(high),
             bounds: (low, high),
-        }
+        })
     }
 }
 

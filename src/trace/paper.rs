@@ -4,8 +4,7 @@
 
 use glam::DVec3;
 
-use super::columns::{Row, columns};
-use super::stages::advance::{Advance, advance_blocks};
+use super::columns::columns;
 use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Control, End, Launch, PaperRk4, Phase, Rkn6, follow};
 use crate::geometry::{Geometry, Line, PrimitiveId};
@@ -66,7 +65,8 @@ columns! {
 const TAIL: f64 = 1e-6;
 
 impl PaperMarch {
-    fn direction_at_infinity(&self, orbit: &Launch) -> Outcome<PaperFlight> {
+    fn direction_at_infinity(&self, position: DVec3, momentum: DVec3) -> Outcome<PaperFlight> {
+        let orbit = Launch::new(&self.medium, position, momentum, f64::EPSILON);
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
         let ray = (orbit.b, Phase::new(&self.medium, orbit.w, orbit.v), orbit.fate);
         match follow(&self.medium, &Rkn6, &control, ray, 0.0, |_| {}).end {
@@ -75,18 +75,6 @@ impl PaperMarch {
             }
             _ => Outcome::NonFinite,
         }
-    }
-}
-
-impl Advance for PaperMarch {
-    type Flight = PaperFlight;
-    type Move = PaperMove;
-
-    #[inline(always)]
-    fn advance(&self, flight: &PaperFlight) -> PaperMove {
-        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
-        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
-        PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
     }
 }
 
@@ -107,16 +95,10 @@ impl Transport for PaperMarch {
     }
 
     #[inline(always)]
-    fn advance(&self, flight: &Self::Flight) -> Self::Move {
-        Advance::advance(self, flight)
-    }
-
-    fn advance_blocks(
-        &self,
-        flights: &[<Self::Flight as Row>::Block],
-        moves: &mut [<Self::Move as Row>::Block],
-    ) {
-        advance_blocks(self, flights, moves);
+    fn advance(&self, flight: &PaperFlight) -> PaperMove {
+        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
+        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
+        PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
     }
 
     #[inline(always)]
@@ -150,11 +132,13 @@ impl Transport for PaperMarch {
         if !(position.is_finite() && momentum.is_finite()) {
             return Outcome::NonFinite;
         }
-        let orbit = Launch::new(&self.medium, position, momentum, f64::EPSILON);
-        if self.chart.is_left(orbit.fate, orbit.w, orbit.v) {
-            return match orbit.fate {
+        let (rho, outwards) = (position.length(), position.dot(momentum));
+        let b = position.cross(momentum).length();
+        let fate = Fate::of(&self.medium, rho, b, outwards > 0.0);
+        if self.chart.is_left(fate, 1.0 / rho, -outwards / rho) {
+            return match fate {
                 Fate::Falls => Outcome::Captured,
-                Fate::Escapes => self.direction_at_infinity(&orbit),
+                Fate::Escapes => self.direction_at_infinity(position, momentum),
             };
         }
         if steps >= MAX_ITERATIONS {

@@ -1,6 +1,7 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
-use super::samples::{Fate, Samples};
+use super::fate::Fate;
+use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;

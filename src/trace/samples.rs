@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::fate::Fate;
 use crate::film::Aov;
 
 /// Which planes beside the beauty are wanted.
@@ -32,23 +33,6 @@ impl Wanted {
             steps: any(&[Steps]),
         }
     }
-}
-
-/// How a camera ray ended; the numbers are those of the `fate` plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Fate {
-    /// Met a surface.
-    Hit = 1,
-    /// Left to infinity.
-    Escaped = 2,
-    /// Fell through the horizon.
-    Captured = 3,
-    /// Ran out of steps.
-    StepLimit = 4,
-    /// Lost its state.
-    #[default]
-    NonFinite = 5,
 }
 
 /// What the camera ray of a path met first.

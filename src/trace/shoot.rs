@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::stages::intersect::intersect;
 use super::stats::Counters;
-use super::transport::{Errand, Outcome, Transport};
+use super::transport::{Errand, Found, Landing, Outcome, Transport};
 use super::with_transport;
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::scene::Baked;
@@ -48,17 +48,30 @@ impl Errand for Shooting<'_> {
     type Output = Vec<Shot>;
 
     fn run<T: Transport>(self, transport: &T) -> Vec<Shot> {
-        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray)).collect()
+        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray, |_, _, _, _| {})).collect()
     }
 }
 
-fn follow<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Shot {
+/// Follows one ray to its end; `each` sees every move, what was found along it, and where the ray landed on it if it did.
+pub(super) fn follow<T: Transport>(
+    transport: &T,
+    geometry: &Geometry,
+    ray: &Ray,
+    mut each: impl FnMut(&T::Flight, &T::Move, Option<Found>, Option<&Landing>),
+) -> Shot {
     let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
     let mut counters = Counters::default();
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, &mut counters);
-        let end = match transport.settle(geometry, &flight, &step, found) {
+        let outcome = transport.settle(geometry, &flight, &step, found);
+        each(
+            &flight,
+            &step,
+            found,
+            if let Outcome::Landed(landing) = &outcome { Some(landing) } else { None },
+        );
+        let end = match outcome {
             Outcome::Flying(next) => {
                 flight = next;
                 continue;

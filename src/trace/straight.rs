@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::columns::{Row, columns};
-use super::stages::advance::{Advance, advance_blocks};
+use super::columns::columns;
 use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geometry::{Geometry, Line, PrimitiveId};
 
@@ -44,9 +43,14 @@ impl Straight {
     }
 }
 
-impl Advance for Straight {
+impl Transport for Straight {
     type Flight = StraightFlight;
     type Move = StraightMove;
+    type Segment = Line;
+
+    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
+        StraightFlight { position, direction, leaves }
+    }
 
     #[inline(always)]
     fn advance(&self, flight: &StraightFlight) -> StraightMove {
@@ -59,29 +63,6 @@ impl Advance for Straight {
         StraightMove {
             end: if inside { flight.position + leave * flight.direction } else { flight.position },
         }
-    }
-}
-
-impl Transport for Straight {
-    type Flight = StraightFlight;
-    type Move = StraightMove;
-    type Segment = Line;
-
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
-        StraightFlight { position, direction, leaves }
-    }
-
-    #[inline(always)]
-    fn advance(&self, flight: &Self::Flight) -> Self::Move {
-        Advance::advance(self, flight)
-    }
-
-    fn advance_blocks(
-        &self,
-        flights: &[<Self::Flight as Row>::Block],
-        moves: &mut [<Self::Move as Row>::Block],
-    ) {
-        advance_blocks(self, flights, moves);
     }
 
     #[inline(always)]

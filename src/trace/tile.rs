@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::samples::{Fate, FirstHit, Samples, Wanted};
+use super::fate::Fate;
+use super::samples::{FirstHit, Samples, Wanted};
 use super::work::Work;
 use crate::film::{Aov, BEAUTY, Image, Plane};
 

@@ -5,9 +5,7 @@ use std::convert::Infallible;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::shoot::Ray;
-use super::stages::intersect::intersect;
-use super::stats::Counters;
+use super::shoot::{Ray, follow};
 use super::transport::{Errand, Outcome, Transport};
 use super::with_transport_to;
 use crate::geometry::{Geometry, Segment};
@@ -44,36 +42,20 @@ impl Errand for Trailing<'_> {
     type Output = Vec<Trail>;
 
     fn run<T: Transport>(self, transport: &T) -> Vec<Trail> {
-        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray)).collect()
+        self.rays.par_iter().map(|ray| trail(transport, self.geometry, ray)).collect()
     }
 }
 
-fn follow<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
-    let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
+fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
     let mut points = vec![ray.position];
-    loop {
-        let step = transport.advance(&flight);
-        let found = intersect(transport, geometry, &flight, &step, &mut Counters::default());
-        let outcome = transport.settle(geometry, &flight, &step, found);
-        let landing = if let Outcome::Landed(landing) = outcome { Some(landing.position) } else { None };
+    let shot = follow(transport, geometry, ray, |flight, step, found, landing| {
         // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
         let taken = landing.is_some() || found.is_none();
-        if let Some(course) = transport.course(&flight, &step).filter(|_| taken) {
-            extend(&mut points, &course, landing);
+        if let Some(course) = transport.course(flight, step).filter(|_| taken) {
+            extend(&mut points, &course, landing.map(|landing| landing.position));
         }
-        let end = match outcome {
-            Outcome::Flying(next) => {
-                flight = next;
-                continue;
-            }
-            Outcome::Landed(landing) => Outcome::Landed(landing),
-            Outcome::Escaped(direction) => Outcome::Escaped(direction),
-            Outcome::Captured => Outcome::Captured,
-            Outcome::StepLimit => Outcome::StepLimit,
-            Outcome::NonFinite => Outcome::NonFinite,
-        };
-        return Trail { points, end };
-    }
+    });
+    Trail { points, end: shot.end }
 }
 
 /// Adds the points of `course` after its start, up to `landing` if given; none that is not finite.

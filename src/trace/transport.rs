@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::columns::Row;
+use super::stages::advance::{Own, advance_blocks};
 use crate::geometry::{Geometry, PrimitiveId, Segment};
 
 /// Where and how a ray arrives at a surface.
@@ -46,7 +47,7 @@ pub enum Outcome<Flight> {
 }
 
 /// A way for rays to move.
-pub trait Transport: Sync {
+pub trait Transport: Sync + Sized {
     /// A ray in flight.
     type Flight: Row;
     /// One move of a ray.
@@ -65,7 +66,9 @@ pub trait Transport: Sync {
         &self,
         flights: &[<Self::Flight as Row>::Block],
         moves: &mut [<Self::Move as Row>::Block],
-    );
+    ) {
+        advance_blocks(&Own(self), flights, moves);
+    }
 
     /// The pieces of a move to be searched in turn, none if nothing can be met: calls `search` until it finds
     /// something. `search` takes a piece and the primitive that the piece starts on.

@@ -5,8 +5,9 @@
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
 use super::columns::Columns;
+use super::fate::Fate;
 use super::path::Path;
-use super::samples::{Fate, Samples};
+use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;

@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
-use super::{Curve, cell, error, mark, markdown, name, of, over, over_front, percent};
+use super::{Curve, cell, error, mark, markdown, of, over, over_front, percent};
 use crate::plot::{Axis, Chart, Figure};
+use crate::scene::flag_name;
 use crate::study::ends::Measurement;
 use crate::study::pareto::front;
 
@@ -42,8 +43,8 @@ pub fn table(measurements: &[Measurement]) -> String {
         let none = || "–".to_owned();
         [
             mark(on_front),
-            name(setting.stepper),
-            name(setting.precision),
+            flag_name(setting.stepper),
+            flag_name(setting.precision),
             format!("{:e}", setting.tolerance),
             error(errors.direction_over_sens, |spread| spread.median),
             error(errors.direction_over_sens, |spread| spread.p99),
@@ -73,8 +74,8 @@ pub fn write_csv(measurements: &[Measurement], mut out: impl Write) -> io::Resul
     for (measurement, on_front) in measurements.iter().zip(pareto(measurements)) {
         let Measurement { setting, errors, ns_per_ray, steps_per_ray } = measurement;
         let mut cells = vec![
-            name(setting.stepper),
-            name(setting.precision),
+            flag_name(setting.stepper),
+            flag_name(setting.precision),
             setting.tolerance.to_string(),
             errors.rays.to_string(),
             errors.compared.to_string(),

@@ -3,12 +3,10 @@
 pub mod ends;
 pub mod scene;
 
-use clap::ValueEnum;
-
 use super::pareto::front;
 use super::sweep::Spread;
 use crate::plot::{Color, Series, Style};
-use crate::scene::{Precision, Schedule, StepperKind};
+use crate::scene::{Precision, Schedule, StepperKind, flag_name};
 
 /// Width of the line under a front, points.
 const FRONT: f64 = 12.0;
@@ -31,11 +29,6 @@ fn percent(share: f64) -> String {
 /// A cell of a CSV file, empty without a value.
 fn cell(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
-}
-
-/// The name under which a setting is given on the command line.
-fn name(value: impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// What marks a row of a table.
@@ -72,8 +65,9 @@ impl Curve {
             Precision::F32 => " f32",
             Precision::F64 => "",
         };
-        let schedule = self.schedule.map_or_else(String::new, |schedule| format!(", {}", name(schedule)));
-        format!("{}{precision}{schedule}", name(self.stepper))
+        let schedule =
+            self.schedule.map_or_else(String::new, |schedule| format!(", {}", flag_name(schedule)));
+        format!("{}{precision}{schedule}", flag_name(self.stepper))
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
-use super::{Curve, cell, error, mark, markdown, name, of, over_front, percent};
+use super::{Curve, cell, error, mark, markdown, of, over_front, percent};
 use crate::plot::{Axis, Chart, Figure};
+use crate::scene::flag_name;
 use crate::study::pareto::front;
 use crate::study::sweep::{Measurement, Spread};
 
@@ -42,10 +43,10 @@ pub fn table(measurements: &[Measurement]) -> String {
         let Measurement { setting, errors, cost } = measurement;
         [
             mark(on_front),
-            name(setting.stepper),
-            name(setting.precision),
+            flag_name(setting.stepper),
+            flag_name(setting.precision),
             setting.tolerance.map_or_else(|| "–".to_owned(), |tolerance| format!("{tolerance:e}")),
-            name(setting.schedule),
+            flag_name(setting.schedule),
             error(errors.footprint, |spread| spread.median),
             error(errors.footprint, |spread| spread.p99),
             error(errors.position, |spread| spread.median),
@@ -74,10 +75,10 @@ pub fn write_csv(measurements: &[Measurement], mut out: impl Write) -> io::Resul
     for (measurement, on_front) in measurements.iter().zip(pareto(measurements)) {
         let Measurement { setting, errors, cost } = measurement;
         let mut cells = vec![
-            name(setting.stepper),
-            name(setting.precision),
+            flag_name(setting.stepper),
+            flag_name(setting.precision),
             cell(setting.tolerance),
-            name(setting.schedule),
+            flag_name(setting.schedule),
             errors.rays.to_string(),
             errors.differ.to_string(),
         ];

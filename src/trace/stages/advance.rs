@@ -1,6 +1,7 @@
 //! One move for every ray: pure arithmetic, lane beside lane.
 
 use super::super::columns::{LANES, Row};
+use super::super::transport::Transport;
 
 /// A kernel that gives the next move of a ray, from nothing but the ray.
 pub trait Advance: Sync {
@@ -11,6 +12,19 @@ pub trait Advance: Sync {
 
     /// The next move.
     fn advance(&self, flight: &Self::Flight) -> Self::Move;
+}
+
+/// A transport as its own kernel.
+pub struct Own<'a, T>(pub &'a T);
+
+impl<T: Transport> Advance for Own<'_, T> {
+    type Flight = T::Flight;
+    type Move = T::Move;
+
+    #[inline(always)]
+    fn advance(&self, flight: &T::Flight) -> T::Move {
+        self.0.advance(flight)
+    }
 }
 
 /// Writes the next move of each ray.

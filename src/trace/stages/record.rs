@@ -1,7 +1,8 @@
 //! What the camera ray meets and how many steps its path takes, for the planes that were asked for.
 
+use super::super::fate::Fate;
 use super::super::path::Path;
-use super::super::samples::{Fate, FirstHit, Samples};
+use super::super::samples::{FirstHit, Samples};
 use super::super::transport::Landing;
 use super::super::work::Job;
 use crate::geometry::SurfacePoint;

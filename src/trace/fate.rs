@@ -1,0 +1,50 @@
+//! Fates of rays that have ended.
+
+use std::convert::Infallible;
+
+use super::transport::Outcome;
+
+/// How a ray ended; the numbers are those of the `fate` plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Fate {
+    /// Met a surface.
+    Hit = 1,
+    /// Left to infinity.
+    Escaped = 2,
+    /// Fell through the horizon.
+    Captured = 3,
+    /// Ran out of steps.
+    StepLimit = 4,
+    /// Lost its state.
+    #[default]
+    NonFinite = 5,
+}
+
+impl Fate {
+    /// All, in order.
+    pub const ALL: [Self; 5] = [Self::Hit, Self::Escaped, Self::Captured, Self::StepLimit, Self::NonFinite];
+
+    /// The fate of a ray that ended so.
+    pub fn of(end: &Outcome<Infallible>) -> Self {
+        match *end {
+            Outcome::Flying(never) => match never {},
+            Outcome::Landed(_) => Self::Hit,
+            Outcome::Escaped(_) => Self::Escaped,
+            Outcome::Captured => Self::Captured,
+            Outcome::StepLimit => Self::StepLimit,
+            Outcome::NonFinite => Self::NonFinite,
+        }
+    }
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hit => "hit",
+            Self::Escaped => "escaped",
+            Self::Captured => "captured",
+            Self::StepLimit => "step limit",
+            Self::NonFinite => "not finite",
+        }
+    }
+}
