@@ -1,6 +1,7 @@
 //! Small numerics that no crate gives.
 
 pub mod bernstein;
+pub mod chebyshev;
 pub mod dual;
 pub mod exact;
 pub mod frame;

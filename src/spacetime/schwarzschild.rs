@@ -44,6 +44,12 @@ impl ConformallyFlat for Schwarzschild {
         R::of(self.horizon) * (a2 * a2 * a * (R::of(4.0) - u - u)) / (c * c * c)
     }
 
+    /// (1 − u)/(1 + u).
+    fn lapse(&self, w: f64) -> f64 {
+        let u = self.horizon * w;
+        (1.0 - u) / (1.0 + u)
+    }
+
     fn horizon(&self) -> f64 {
         self.horizon
     }

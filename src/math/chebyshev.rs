@@ -1,0 +1,98 @@
+//! Smooth functions on an interval as sums of Chebyshev polynomials.
+//!
+//! Reference: Trefethen 2013, "Approximation Theory and Approximation Practice", ch. 3 and 19.
+
+use std::f64::consts::PI;
+
+/// A function and its derivative, as sums of Chebyshev polynomials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chebyshev {
+    /// Middle of the interval.
+    middle: f64,
+    /// 1 / half its length.
+    scale: f64,
+    /// Coefficients of the function and of its derivative, by degree.
+    terms: Vec<[f64; 2]>,
+}
+
+impl Chebyshev {
+    /// The polynomial of degree `count` − 1 that agrees with `f` in `count` ≥ 1 Chebyshev points between `low` and
+    /// `high`.
+    pub fn fit(count: usize, (low, high): (f64, f64), f: impl Fn(f64) -> f64) -> Self {
+        let (middle, scale) = (0.5 * (low + high), 2.0 / (high - low));
+        let angle = |k: usize| PI * (k as f64 + 0.5) / count as f64;
+        let values: Vec<f64> = (0..count).map(|k| f(middle + angle(k).cos() / scale)).collect();
+        let coefficient = |degree: usize| {
+            let sum: f64 = values.iter().enumerate().map(|(k, y)| y * (degree as f64 * angle(k)).cos()).sum();
+            sum * if degree == 0 { 1.0 } else { 2.0 } / count as f64
+        };
+        let mut terms: Vec<[f64; 2]> = (0..count).map(|degree| [coefficient(degree), 0.0]).collect();
+        // T′ₙ = 2n Tₙ₋₁ + n/(n − 2) T′ₙ₋₂.
+        for degree in (1..count).rev() {
+            let above = terms.get(degree + 1).map_or(0.0, |term| term[1]);
+            terms[degree - 1][1] = above + 2.0 * scale * degree as f64 * terms[degree][0];
+        }
+        terms[0][1] *= 0.5;
+        Self { middle, scale, terms }
+    }
+
+    /// The same without the highest terms, each of which is at most `tolerance`.
+    pub fn trimmed(&self, tolerance: f64) -> Self {
+        let used = self.terms.iter().rposition(|term| term[0].abs() > tolerance).map_or(1, |last| last + 1);
+        Self { terms: self.terms[..used].to_vec(), ..*self }
+    }
+
+    /// Value and derivative at `x`, by Clenshaw's recurrence.
+    #[inline]
+    pub fn at(&self, x: f64) -> [f64; 2] {
+        let [[value], [slope]] = self.at_each([x]);
+        [value, slope]
+    }
+
+    /// Values and derivatives at several places, lane beside lane.
+    #[inline(always)]
+    pub fn at_each<const N: usize>(&self, x: [f64; N]) -> [[f64; N]; 2] {
+        let x = x.map(|x| (x - self.middle) * self.scale);
+        let (mut next, mut after) = ([[0.0; N]; 2], [[0.0; N]; 2]);
+        for term in self.terms.iter().rev() {
+            for i in 0..2 {
+                for lane in 0..N {
+                    let here = term[i] + 2.0 * x[lane] * next[i][lane] - after[i][lane];
+                    (after[i][lane], next[i][lane]) = (next[i][lane], here);
+                }
+            }
+        }
+        [0, 1].map(|i| std::array::from_fn(|lane| next[i][lane] - x[lane] * after[i][lane]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_analytic_function_and_its_derivative_are_met_to_rounding() {
+        let fit = Chebyshev::fit(40, (-1.0, 2.0), |x| (1.0 + x).exp() / (2.0 + x));
+        for i in 0..=100 {
+            let x = -1.0 + 0.03 * f64::from(i);
+            let (f, slope) = ((1.0 + x).exp() / (2.0 + x), (1.0 + x).exp() * (1.0 + x) / (2.0 + x).powi(2));
+            let [value, derivative] = fit.at(x);
+            assert!(
+                (value - f).abs() < 1e-14 && (derivative - slope).abs() < 1e-12,
+                "{x}: {value} {derivative}"
+            );
+        }
+    }
+
+    #[test]
+    fn trimming_loses_no_more_than_it_is_allowed() {
+        let fit = Chebyshev::fit(40, (-1.0, 1.0), |x| (3.0 * x).cos());
+        let short = fit.trimmed(1e-6);
+        assert!(short.terms.len() < 20);
+        for i in 0..=100 {
+            let x = -1.0 + 0.02 * f64::from(i);
+            assert!((short.at(x)[0] - fit.at(x)[0]).abs() < 1e-5);
+        }
+        assert_eq!(Chebyshev::fit(8, (0.0, 1.0), |_| 0.0).trimmed(1e-6).at(0.3), [0.0, 0.0]);
+    }
+}
