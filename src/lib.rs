@@ -40,6 +40,7 @@ pub mod cli;
 pub mod film;
 pub mod geodesic;
 pub mod geometry;
+pub mod light;
 pub mod math;
 pub mod plot;
 pub mod scene;

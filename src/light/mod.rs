@@ -1,0 +1,5 @@
+//! Light from the scene's emitters, chosen and sampled.
+
+mod tree;
+
+pub use tree::{Emission, Tree};
