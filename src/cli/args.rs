@@ -11,7 +11,8 @@ use super::parse;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
 use crate::film::Aov;
-use crate::scene::{Filter, Precision, SamplerKind, Schedule, Settings, StepperKind};
+use crate::light::Heuristic;
+use crate::scene::{Filter, LightSampling, Precision, SamplerKind, Schedule, Settings, StepperKind};
 use crate::study::free::Accuracy;
 use crate::trace::Run;
 
@@ -288,6 +289,15 @@ pub(super) struct SettingArgs {
     /// Source of random numbers
     #[arg(long, value_enum, value_name = "NAME")]
     sampler: Option<SamplerKind>,
+    /// How lights are looked for beside the rays that run into them; `straight` is the paper's way, wrong near a hole
+    #[arg(long, value_enum, value_name = "NAME")]
+    light_sampling: Option<LightSampling>,
+    /// Largest winding number of rays to lights that are looked for
+    #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
+    max_winding: Option<u32>,
+    /// How light that is found both ways is shared
+    #[arg(long, value_enum, value_name = "NAME")]
+    mis: Option<Heuristic>,
 }
 
 /// How rays are integrated.
@@ -342,6 +352,9 @@ impl SettingArgs {
         set(self.exposure, &mut settings.exposure);
         set(self.filter, &mut settings.filter);
         set(self.sampler, &mut settings.sampler);
+        set(self.light_sampling, &mut settings.light_sampling);
+        set(self.max_winding, &mut settings.max_winding);
+        set(self.mis, &mut settings.heuristic);
     }
 }
 
@@ -448,6 +461,9 @@ mod tests {
             "--exposure=-1.5",
             "--filter=box",
             "--sampler=independent",
+            "--light-sampling=straight",
+            "--max-winding=3",
+            "--mis=power",
         ];
         let expected = Settings {
             width: 5,
@@ -461,6 +477,9 @@ mod tests {
             precision: Precision::F32,
             schedule: Schedule::PerPixel,
             sampler: SamplerKind::Independent,
+            light_sampling: LightSampling::Straight,
+            max_winding: 3,
+            heuristic: Heuristic::Power,
             ..Settings::default()
         };
         assert_eq!(resolved(&flags, Settings::default()), expected);

@@ -2,6 +2,7 @@
 //!
 //! clap puts the flag and the value before these messages; they say what to give instead.
 
+use crate::scene::MAX_WINDING;
 use std::ffi::OsStr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,11 @@ fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
 /// A count that fits in 32 bits, at least 1.
 pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1..=u64::from(u32::MAX)).map(|number| number as u32)
+}
+
+/// A winding number.
+pub(super) fn winding(text: &str) -> Result<u32, String> {
+    whole(text, 0..=u64::from(MAX_WINDING)).map(|number| number as u32)
 }
 
 /// Any unsigned 64-bit number.

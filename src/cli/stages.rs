@@ -125,6 +125,7 @@ pub(super) mod tests {
             materials: vec![Material::default()],
             entities: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
+            punctual: Vec::new(),
             settings: Settings::default(),
             warnings: Vec::new(),
         }

@@ -38,7 +38,7 @@ impl Arc {
     }
 
     /// dB/ds at `s`.
-    fn velocity(&self, s: f64) -> DVec3 {
+    pub fn velocity(&self, s: f64) -> DVec3 {
         let t = 1.0 - s;
         let sum = t * t + 2.0 * s * t * self.w + s * s;
         // Derivative of the quotient of two quadratics, in which the powers of order 3 cancel [F, 12.6].

@@ -64,7 +64,7 @@ pub struct Lens {
 }
 
 /// A place as the lens sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Site {
     /// Unit vector from the centre.
     radial: DVec3,
@@ -120,6 +120,8 @@ type Lanes = [f64; LANES];
 const NEAR_PHOTON_SPHERE: f64 = 0.05;
 /// Angles between places, radians, below which a ray that does not go around is radial.
 const RADIAL: f64 = 1e-9;
+/// Angle between places, radians, up to which a ray is guessed to be bent weakly.
+const WEAK: f64 = 2.8;
 /// Most iterations of a root.
 const MOST_ITERATIONS: u32 = 60;
 
@@ -201,6 +203,46 @@ impl Lens {
             spread: spread(x, y, &track),
             swing: [track.rate / (x.q * track.end[0].abs()), track.rate / (y.q * track.start[0].abs())],
         })
+    }
+
+    /// The unit direction in which the ray that [`Self::connect`] finds arrives at `y`, roughly and at once: to first order
+    /// in the bending if the ray does not go around, else as the critical ray.
+    pub fn aim(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
+        let spin = x.radial.cross(y.radial);
+        let sin = spin.length();
+        let angle = sin.atan2(x.radial.dot(y.radial));
+        let odd = winding % 2 == 1;
+        let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
+        let along = if odd { -axis } else { axis }.cross(y.radial);
+        let reversed = y.q > x.q;
+        let (near, far) = if reversed { (y, x) } else { (x, y) };
+        let gamma = self.guess(near, far, angle);
+        let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
+        let [cos, sin] = if is_weak {
+            let d = distance(near, far, gamma);
+            let (sin, cos) = gamma.sin_cos();
+            if reversed {
+                [-(near.q * cos - far.q) / d, near.q * sin / d]
+            } else {
+                [(near.q - far.q * cos) / d, far.q * sin / d]
+            }
+        } else {
+            let sin = (self.critical * y.q).min(1.0);
+            [(1.0 - sin * sin).sqrt().copysign(y.s), sin]
+        };
+        (cos * y.radial + sin * along).try_normalize().unwrap_or(y.radial)
+    }
+
+    /// The part of the light from a small source at `y` that goes around the far side, relative to what comes the near
+    /// way, for a lens that bends rays by 2c/b: exact far from the centre and close to alignment, an estimate elsewhere.
+    ///
+    /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
+    pub fn odds(&self, x: &Site, y: &Site) -> f64 {
+        let (spin, along) = (x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
+        let off = spin.atan2(-along);
+        // b²/f − b off − 2c = 0, whose roots are the impact parameters of the two images.
+        let root = (off * off + 8.0 * self.weak * self.critical * (x.w + y.w)).sqrt();
+        ((root - off) / (root + off)).powi(2)
     }
 
     /// Winding number and [`Connection::spread`] of a ray that leaves `x` in the unit `direction` and arrives at `y`

@@ -12,6 +12,7 @@ mod mesh;
 mod primitives;
 mod scene;
 mod segment;
+mod shape;
 mod sphere;
 mod triangle;
 
@@ -20,4 +21,5 @@ pub use mesh::{Instance, Mesh};
 pub use primitives::{Disk, Primitives, Sphere, Surface};
 pub use scene::{Counts, Geometry, Hit, PrimitiveId, SurfacePoint};
 pub use segment::{Chord, Line, Segment};
+pub use shape::Shape;
 pub use triangle::Triangle;

@@ -12,10 +12,10 @@ use super::distance::Reach;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 
 /// Names a primitive; for triangles of an instance both numbers matter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PrimitiveId {
-    item: u32,
-    triangle: u32,
+    pub(super) item: u32,
+    pub(super) triangle: u32,
 }
 
 impl PrimitiveId {

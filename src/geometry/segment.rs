@@ -26,6 +26,8 @@ pub trait Segment: Copy {
     fn chord(&self) -> Chord;
     /// Point at `s`.
     fn point(&self, s: f64) -> DVec3;
+    /// Parameter of the point that lies as far along the chord as `point`, in [0, 1].
+    fn parameter_beside(&self, point: DVec3) -> f64;
     /// The segment under an affine map; the parameter keeps its meaning.
     fn transformed(&self, map: &DAffine3) -> Self;
     /// First crossing of a sphere.
@@ -54,6 +56,13 @@ impl Segment for Line {
     #[inline(always)]
     fn point(&self, s: f64) -> DVec3 {
         self.p0 + s * (self.p2 - self.p0)
+    }
+
+    #[inline]
+    fn parameter_beside(&self, point: DVec3) -> f64 {
+        let along = self.p2 - self.p0;
+        let s = along.dot(point - self.p0) / along.length_squared();
+        if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
     }
 
     #[inline]
@@ -86,6 +95,11 @@ impl Segment for Arc {
     #[inline(always)]
     fn point(&self, s: f64) -> DVec3 {
         Arc::point(self, s)
+    }
+
+    #[inline]
+    fn parameter_beside(&self, point: DVec3) -> f64 {
+        Arc::parameter_beside(self, point)
     }
 
     #[inline]

@@ -38,6 +38,7 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
         geometry: Geometry::build(primitives),
         materials: world.materials,
         environment: world.environment,
+        punctual: Vec::new(),
         settings: world.settings,
         warnings: world.warnings,
     })

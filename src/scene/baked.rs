@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::{Camera, Settings};
 use crate::geometry::Geometry;
+use crate::light::Punctual;
 use crate::shade::{Environment, Material};
 
 /// A spacetime and where its centre is placed.
@@ -34,6 +35,8 @@ pub struct Baked {
     pub entities: Vec<String>,
     /// Light from infinity.
     pub environment: Environment,
+    /// Lights without extent.
+    pub punctual: Vec<Punctual>,
     /// Settings of the scene file, defaults filled in.
     pub settings: Settings,
     /// What was read but not understood, one line each.

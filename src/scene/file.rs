@@ -8,7 +8,8 @@ use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::error::{Fault, suggestion};
-use super::{Filter, Precision, SamplerKind, Schedule, StepperKind};
+use super::{Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
+use crate::light::Heuristic;
 
 /// A number with its place.
 pub type Number = Spanned<f64>;
@@ -115,6 +116,12 @@ pub struct RenderTable {
     pub schedule: Option<Schedule>,
     /// Sampler.
     pub sampler: Option<SamplerKind>,
+    /// How lights are looked for.
+    pub light_sampling: Option<LightSampling>,
+    /// Largest winding number of rays to lights.
+    pub max_winding: Option<Spanned<u32>>,
+    /// How light found both ways is shared.
+    pub mis: Option<Heuristic>,
     /// Radians of direction per step.
     pub tolerance: Option<Number>,
     /// Scene units.

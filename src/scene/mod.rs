@@ -23,7 +23,9 @@ use glam::DVec3;
 pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
 pub use error::{Place, SceneError};
-pub use settings::{Filter, Precision, SamplerKind, Schedule, Settings, StepperKind, flag_name};
+pub use settings::{
+    Filter, LightSampling, MAX_WINDING, Precision, SamplerKind, Schedule, Settings, StepperKind, flag_name,
+};
 
 use error::{Fault, SourceText};
 use world::World;

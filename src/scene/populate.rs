@@ -15,7 +15,7 @@ use super::file::{
     TransformTable,
 };
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, Settings, SpacetimeKind};
+use super::{Camera, MAX_WINDING, Settings, SpacetimeKind};
 use crate::asset::load_image;
 use crate::geometry::{Disk, Sphere};
 use crate::shade::{Environment, LatLong, Lobe, Material};
@@ -160,6 +160,9 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
         precision: render.precision.unwrap_or(default.precision),
         schedule: render.schedule.unwrap_or(default.schedule),
         sampler: render.sampler.unwrap_or(default.sampler),
+        light_sampling: render.light_sampling.unwrap_or(default.light_sampling),
+        max_winding: winding(render.max_winding.as_ref(), default.max_winding)?,
+        heuristic: render.mis.unwrap_or(default.heuristic),
         tolerance: match &render.tolerance {
             Some(tolerance) => check::between(tolerance, 0.0, 1.0, "tolerance")?,
             None => default.tolerance,
@@ -188,6 +191,18 @@ fn side(pixels: Option<&Spanned<usize>>, what: &str, default: usize) -> Result<u
             pixels.span(),
             format!("{what} must be between 1 and {MAX_SIDE} pixels, not {side}"),
             "choose another size",
+        )),
+    }
+}
+
+fn winding(count: Option<&Spanned<u32>>, default: u32) -> Result<u32, Fault> {
+    match count.map(|count| (*count.get_ref(), count.span())) {
+        None => Ok(default),
+        Some((count @ 0..=MAX_WINDING, _)) => Ok(count),
+        Some((count, span)) => Err(Fault::at(
+            span,
+            format!("max_winding must be at most {MAX_WINDING}, not {count}"),
+            "each half turn more brings 23 times less light; 1 is good for pictures",
         )),
     }
 }

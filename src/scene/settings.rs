@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::light::Heuristic;
+
 /// Reconstruction filter, sampled (each sample counts for its own pixel only).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -64,6 +66,21 @@ pub enum SamplerKind {
     Independent,
 }
 
+/// How lights are looked for, beside the rays that surfaces send out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightSampling {
+    /// Not at all: only what rays run into counts.
+    Off,
+    /// Along straight lines, as the paper does, and instead of what rays run into: wrong where space is curved.
+    Straight,
+    /// Along geodesics, sharing with what rays run into.
+    Geodesic,
+}
+
+/// Largest winding number of rays to lights: those that go around more often cannot be told from the critical ray.
+pub const MAX_WINDING: u32 = 5;
+
 /// Everything that decides the picture beside the scene's content.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Settings {
@@ -91,6 +108,13 @@ pub struct Settings {
     pub schedule: Schedule,
     /// Random numbers.
     pub sampler: SamplerKind,
+    /// How lights are looked for.
+    pub light_sampling: LightSampling,
+    /// Largest winding number of rays to lights that are looked for: 0 the near way, 1 around the far side as well, and
+    /// so on.
+    pub max_winding: u32,
+    /// How light that is found both ways is shared.
+    pub heuristic: Heuristic,
     /// Largest error of a ray's direction, all its steps together, radians at its start.
     pub tolerance: f64,
     /// Largest distance between an arc and the true curve, scene units; `None`: from the pixel footprint.
@@ -114,6 +138,9 @@ impl Default for Settings {
             precision: Precision::F64,
             schedule: Schedule::Wavefront,
             sampler: SamplerKind::Sobol,
+            light_sampling: LightSampling::Geodesic,
+            max_winding: 1,
+            heuristic: Heuristic::Balance,
             tolerance: 1e-5,
             arc_tolerance: None,
             arc_tolerance_factor: 1.0,

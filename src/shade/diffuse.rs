@@ -14,6 +14,11 @@ pub fn sample(normal: DVec3, u: f64, v: f64) -> DVec3 {
     radius * (cos * tangent + sin * bitangent) + (1.0 - u).sqrt() * normal
 }
 
+/// Density of [`sample`] in solid angle.
+pub fn density(normal: DVec3, direction: DVec3) -> f64 {
+    normal.dot(direction).max(0.0) / std::f64::consts::PI
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

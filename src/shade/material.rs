@@ -52,6 +52,11 @@ impl Material {
         self.emission != Vec3::ZERO
     }
 
+    /// Whether light from one direction leaves in many: light sampling helps.
+    pub fn spreads_light(&self) -> bool {
+        matches!(self.lobe, Lobe::Diffuse { albedo } if albedo != Vec3::ZERO)
+    }
+
     /// The colour that the albedo AOV shows.
     pub fn albedo(&self) -> Vec3 {
         match self.lobe {

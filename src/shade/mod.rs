@@ -13,4 +13,4 @@ pub use environment::{Environment, LatLong};
 pub use material::{Lobe, Material};
 pub use media::Media;
 pub use sampler::Sampler;
-pub use scatter::{Bounce, Incidence, scatter};
+pub use scatter::{Bounce, Incidence, evaluate, scatter};

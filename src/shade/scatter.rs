@@ -26,6 +26,8 @@ pub struct Bounce {
     pub direction: DVec3,
     /// BSDF × cosine / density.
     pub weight: Vec3,
+    /// Density of the direction in solid angle; 0 for a lobe of a single direction.
+    pub density: f64,
     /// Dielectrics around the path from here on.
     pub media: Media,
 }
@@ -39,22 +41,36 @@ pub fn scatter(materials: &[Material], incidence: &Incidence, u: [f32; 4]) -> Op
             let out = diffuse::sample(shading, u[0].into(), u[1].into());
             // A shading normal can send light through the surface; such paths carry nothing.
             let absorbed = albedo == Vec3::ZERO || out.dot(normal) <= 0.0;
-            (!absorbed).then_some(Bounce { direction: out, weight: albedo, media })
+            let density = diffuse::density(shading, out);
+            (!absorbed).then_some(Bounce { direction: out, weight: albedo, density, media })
         }
         Lobe::Mirror { reflectance } => {
             let out = reflect_above(direction, normal, shading);
-            Some(Bounce { direction: out, weight: reflectance, media })
+            Some(Bounce { direction: out, weight: reflectance, density: 0.0, media })
         }
         Lobe::Dielectric { tint, .. } => {
             let (out, media) = through_dielectric(materials, incidence, f64::from(u[2]));
-            Some(Bounce { direction: out, weight: tint, media })
+            Some(Bounce { direction: out, weight: tint, density: 0.0, media })
         }
+    }
+}
+
+/// BSDF × cosine towards the unit direction `out`, and the density with which [`scatter`] chooses it; `None` where no
+/// light goes, as everywhere but in a single direction of a mirror.
+pub fn evaluate(materials: &[Material], incidence: &Incidence, out: DVec3) -> Option<(Vec3, f64)> {
+    let (normal, shading) = incidence.facing();
+    match materials[incidence.material as usize].lobe {
+        Lobe::Diffuse { albedo } => {
+            let density = diffuse::density(shading, out);
+            (density > 0.0 && out.dot(normal) > 0.0).then(|| (albedo * density as f32, density))
+        }
+        Lobe::Mirror { .. } | Lobe::Dielectric { .. } => None,
     }
 }
 
 impl Incidence {
     /// Geometric and shading normal on the side that the light comes from.
-    fn facing(&self) -> (DVec3, DVec3) {
+    pub fn facing(&self) -> (DVec3, DVec3) {
         let flip = |n: DVec3, against: DVec3| if n.dot(against) > 0.0 { -n } else { n };
         let normal = flip(self.normal, self.direction);
         (normal, flip(self.shading_normal, -normal))

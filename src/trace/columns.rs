@@ -7,6 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::PrimitiveId;
+use crate::light::Target;
 use crate::shade::Media;
 use crate::spacetime::Fate;
 
@@ -38,7 +39,7 @@ macro_rules! plain_field {
         }
     )*};
 }
-plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media);
+plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media, Target);
 
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(
@@ -84,6 +85,11 @@ impl<R: Row> Columns<R> {
     /// Grows or shrinks to hold `lanes` lanes.
     pub fn resize(&mut self, lanes: usize) {
         self.blocks.resize(lanes.div_ceil(LANES), R::Block::default());
+    }
+
+    /// Whether there are no lanes.
+    pub fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
     }
 
     /// Row of a lane.

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::columns::{Field, Row, columns};
 use super::march::{March, keeps_outside};
-use super::transport::{Found, Outcome, Transport};
+use super::transport::{Found, Landing, Outcome, Transport};
 use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::math::real::Real;
@@ -252,13 +252,21 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     #[inline(always)]
     fn settle(
         &self,
-        geometry: &Geometry,
+        geometry: Option<&Geometry>,
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,
     ) -> Outcome<CurvedFlight<R>> {
         if let Some(found) = found {
-            return Outcome::Landed(self.polish(geometry, flight, step, found));
+            return Outcome::Landed(match geometry {
+                Some(geometry) => self.polish(geometry, flight, step, found),
+                None => {
+                    let Found { point: position, primitive } = found;
+                    let arc = self.arc(flight, step);
+                    let direction = arc.velocity(arc.parameter_beside(position)).normalize();
+                    Landing { position, direction, primitive }
+                }
+            });
         }
         let steps = flight.steps + 1;
         if steps > MAX_STEPS {

@@ -6,6 +6,7 @@
 mod columns;
 mod curved;
 mod fate;
+mod illumination;
 mod march;
 mod paper;
 mod path;
@@ -20,6 +21,7 @@ mod straight;
 mod tile;
 mod trail;
 pub mod transport;
+mod vertex;
 mod wavefront;
 mod work;
 
@@ -37,6 +39,7 @@ use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::{Curved, Lane};
 pub use fate::Fate;
+use illumination::Illumination;
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
 pub use shoot::{Ray, Shot, shoot};
@@ -187,7 +190,8 @@ impl Errand for Renderer<'_> {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
-        let job = Job { scene: self.scene, settings, sampler };
+        let illumination = Illumination::of(self.scene);
+        let job = Job { scene: self.scene, settings, sampler, illumination };
         let wanted = Wanted::new(&run.aovs, run.noise.is_some());
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);

@@ -114,7 +114,7 @@ impl Transport for PaperMarch {
     #[inline(always)]
     fn settle(
         &self,
-        _: &Geometry,
+        _: Option<&Geometry>,
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,

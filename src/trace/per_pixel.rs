@@ -5,10 +5,12 @@ use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
+use super::stages::light;
 use super::stages::record::{record_end, record_step};
-use super::stages::shade::shade;
+use super::stages::shade::{gather, shade};
 use super::stats::Counters;
 use super::transport::{Outcome, Transport};
+use super::vertex::Vertex;
 use super::work::{Job, Work};
 use crate::geometry::PrimitiveId;
 
@@ -36,23 +38,43 @@ fn trace_path<T: Transport>(
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
     let mut flight = transport.launch(position, direction, PrimitiveId::NONE);
+    let mut vertex = Vertex::default();
     counters.paths += 1;
     counters.rays += 1;
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, counters);
-        record_step(&path, || transport.length(&flight, &step, found.map(|f| f.point)), samples);
-        let fate = match transport.settle(geometry, &flight, &step, found) {
+        let illumination = job.illumination.as_ref().filter(|_| vertex.is_lit);
+        record_step(
+            &path,
+            illumination.is_some(),
+            || transport.length(&flight, &step, found.map(|f| f.point)),
+            samples,
+        );
+        if let Some(illumination) = illumination {
+            match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+                Ok(next) => flight = next,
+                Err(is_reached) => match gather(&mut path, &mut vertex, is_reached) {
+                    Some(direction) => {
+                        flight = transport.launch(vertex.position, direction, vertex.leaves);
+                        counters.rays += 1;
+                    }
+                    None => break,
+                },
+            }
+            continue;
+        }
+        let fate = match transport.settle(Some(geometry), &flight, &step, found) {
             Outcome::Flying(next) => {
                 flight = next;
                 continue;
             }
             Outcome::Landed(landing) => {
                 counters.fates.hit += 1;
-                match shade(job, &mut path, &landing, samples) {
+                match shade(job, &mut path, &mut vertex, &landing, samples) {
                     Some(direction) => {
                         flight = transport.launch(landing.position, direction, landing.primitive);
-                        counters.rays += 1;
+                        counters.count_ray(vertex.is_lit);
                         continue;
                     }
                     None => break,
@@ -60,7 +82,7 @@ fn trace_path<T: Transport>(
             }
             Outcome::Escaped(direction) => {
                 counters.fates.escaped += 1;
-                escape(job, &mut path, direction);
+                escape(job, &mut path, &vertex, direction);
                 Fate::Escaped
             }
             Outcome::Captured => {

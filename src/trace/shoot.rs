@@ -64,7 +64,7 @@ pub(super) fn follow<T: Transport>(
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, &mut counters);
-        let outcome = transport.settle(geometry, &flight, &step, found);
+        let outcome = transport.settle(Some(geometry), &flight, &step, found);
         each(
             &flight,
             &step,

@@ -26,6 +26,8 @@ pub struct Counters {
     pub paths: u64,
     /// Rays: camera rays and bounces.
     pub rays: u64,
+    /// Rays to lights.
+    pub light_rays: u64,
     /// March steps, rejected ones included.
     pub steps: u64,
     /// BVH queries.
@@ -80,11 +82,17 @@ pub struct Stats {
 }
 
 impl Counters {
+    /// Counts a ray that a path sends out, to a light or onwards.
+    pub fn count_ray(&mut self, is_lit: bool) {
+        *(if is_lit { &mut self.light_rays } else { &mut self.rays }) += 1;
+    }
+
     /// Adds another worker's counts.
     pub fn add(&mut self, other: &Counters) {
-        let Counters { paths, rays, steps, queries, fates } = other;
+        let Counters { paths, rays, light_rays, steps, queries, fates } = other;
         self.paths += paths;
         self.rays += rays;
+        self.light_rays += light_rays;
         self.steps += steps;
         self.queries += queries;
         self.fates.hit += fates.hit;
@@ -121,8 +129,8 @@ impl Stats {
             paths_per_second: per(counters.paths, seconds),
             steps_per_second: per(counters.steps, seconds),
             queries_per_path: per(counters.queries, counters.paths as f64),
-            queries_per_ray: per(counters.queries, counters.rays as f64),
-            steps_per_ray: per(counters.steps, counters.rays as f64),
+            queries_per_ray: per(counters.queries, (counters.rays + counters.light_rays) as f64),
+            steps_per_ray: per(counters.steps, (counters.rays + counters.light_rays) as f64),
             stages,
             peak_memory_bytes: peak_memory(),
         }

@@ -81,7 +81,7 @@ impl Transport for Straight {
     #[inline(always)]
     fn settle(
         &self,
-        _: &Geometry,
+        _: Option<&Geometry>,
         flight: &Self::Flight,
         _: &Self::Move,
         found: Option<Found>,

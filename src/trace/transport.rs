@@ -79,10 +79,11 @@ pub trait Transport: Sync + Sized {
         search: impl FnMut(&Self::Segment, PrimitiveId) -> Option<Found>,
     ) -> Option<Found>;
 
-    /// What becomes of the ray, given what the search found.
+    /// What becomes of the ray, given what the search found; without `geometry` a landing is on what was searched rather
+    /// than on the ray itself.
     fn settle(
         &self,
-        geometry: &Geometry,
+        geometry: Option<&Geometry>,
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,

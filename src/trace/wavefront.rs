@@ -11,10 +11,12 @@ use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
+use super::stages::light;
 use super::stages::record::{record_end, record_step};
-use super::stages::shade::shade;
+use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Found, Landing, Outcome, Transport};
+use super::vertex::Vertex;
 use super::work::{Job, Work};
 use crate::geometry::PrimitiveId;
 use glam::DVec3;
@@ -24,6 +26,8 @@ pub struct Wavefront<T: Transport> {
     flights: Columns<T::Flight>,
     moves: Columns<T::Move>,
     paths: Columns<Path>,
+    /// Empty without light sampling.
+    vertices: Columns<Vertex>,
     found: Vec<Option<Found>>,
     /// Lanes in use.
     live: usize,
@@ -35,6 +39,8 @@ pub struct Wavefront<T: Transport> {
 #[derive(Default)]
 struct Events {
     landed: Vec<(usize, Landing)>,
+    /// Light rays that ended, at their target or not.
+    lit: Vec<(usize, bool)>,
     escaped: Vec<(usize, DVec3)>,
     ended: Vec<(usize, Fate)>,
     finished: Vec<usize>,
@@ -47,6 +53,7 @@ impl<T: Transport> Wavefront<T> {
             flights: Columns::default(),
             moves: Columns::default(),
             paths: Columns::default(),
+            vertices: Columns::default(),
             found: Vec::new(),
             live: 0,
             capacity,
@@ -64,7 +71,7 @@ impl<T: Transport> Wavefront<T> {
         counters: &mut Counters,
         times: &mut StageTimes,
     ) {
-        self.resize(self.capacity.min(work.paths() as usize));
+        self.resize(self.capacity.min(work.paths() as usize), job.illumination.is_some());
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
@@ -81,17 +88,19 @@ impl<T: Transport> Wavefront<T> {
             lap.end(&mut times.settle);
             self.escape(job, samples);
             lap.end(&mut times.escape);
-            self.scatter(job, transport, samples, counters);
+            self.gather(transport, counters);
+            self.shade(job, transport, samples, counters);
             lap.end(&mut times.scatter);
             self.film(samples);
             lap.end(&mut times.film);
         }
     }
 
-    fn resize(&mut self, lanes: usize) {
+    fn resize(&mut self, lanes: usize, has_vertices: bool) {
         self.flights.resize(lanes);
         self.moves.resize(lanes);
         self.paths.resize(lanes);
+        self.vertices.resize(if has_vertices { lanes } else { 0 });
         self.found.resize(lanes, None);
     }
 
@@ -100,6 +109,9 @@ impl<T: Transport> Wavefront<T> {
         while self.live < self.found.len() && *next < work.paths() {
             let (path, position, direction) = generate(job, work, *next);
             self.paths.set(self.live, path);
+            if job.illumination.is_some() {
+                self.vertices.set(self.live, Vertex::default());
+            }
             self.flights.set(self.live, transport.launch(position, direction, PrimitiveId::NONE));
             self.live += 1;
             *next += 1;
@@ -121,12 +133,21 @@ impl<T: Transport> Wavefront<T> {
         let events = &mut self.events;
         for lane in 0..self.live {
             let (flight, step, found) = (self.flights.get(lane), self.moves.get(lane), self.found[lane]);
+            let illumination = job.illumination.as_ref().filter(|_| self.vertices.get(lane).is_lit);
             if records_steps {
                 let length = || transport.length(&flight, &step, found.map(|f| f.point));
-                record_step(&self.paths.get(lane), length, samples);
+                record_step(&self.paths.get(lane), illumination.is_some(), length, samples);
+            }
+            if let Some(illumination) = illumination {
+                let vertex = self.vertices.get(lane);
+                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+                    Ok(next) => self.flights.set(lane, next),
+                    Err(is_reached) => events.lit.push((lane, is_reached)),
+                }
+                continue;
             }
             let fates = &mut counters.fates;
-            match transport.settle(&job.scene.geometry, &flight, &step, found) {
+            match transport.settle(Some(&job.scene.geometry), &flight, &step, found) {
                 Outcome::Flying(next) => self.flights.set(lane, next),
                 Outcome::Landed(landing) => {
                     fates.hit += 1;
@@ -156,7 +177,8 @@ impl<T: Transport> Wavefront<T> {
     fn escape(&mut self, job: &Job, samples: &mut Samples) {
         for (lane, direction) in self.events.escaped.drain(..) {
             let mut path = self.paths.get(lane);
-            escape(job, &mut path, direction);
+            let vertex = if job.illumination.is_some() { self.vertices.get(lane) } else { Vertex::default() };
+            escape(job, &mut path, &vertex, direction);
             record_end(&path, Fate::Escaped, samples);
             self.paths.set(lane, path);
             self.events.finished.push(lane);
@@ -167,18 +189,41 @@ impl<T: Transport> Wavefront<T> {
         }
     }
 
-    /// Gathers emission where rays landed and launches their continuations in the same lanes.
-    fn scatter(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
-        for (lane, landing) in self.events.landed.drain(..) {
-            let mut path = self.paths.get(lane);
-            match shade(job, &mut path, &landing, samples) {
+    /// Adds what light rays brought and launches the continuations of their paths in the same lanes.
+    fn gather(&mut self, transport: &T, counters: &mut Counters) {
+        for (lane, is_reached) in self.events.lit.drain(..) {
+            let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
+            match gather(&mut path, &mut vertex, is_reached) {
                 Some(direction) => {
-                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                    self.flights.set(lane, transport.launch(vertex.position, direction, vertex.leaves));
                     counters.rays += 1;
                 }
                 None => self.events.finished.push(lane),
             }
             self.paths.set(lane, path);
+            self.vertices.set(lane, vertex);
+        }
+    }
+
+    /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
+    fn shade(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
+        for (lane, landing) in self.events.landed.drain(..) {
+            let mut path = self.paths.get(lane);
+            let mut vertex = Vertex::default();
+            if job.illumination.is_some() {
+                vertex = self.vertices.get(lane);
+            }
+            match shade(job, &mut path, &mut vertex, &landing, samples) {
+                Some(direction) => {
+                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                    counters.count_ray(vertex.is_lit);
+                }
+                None => self.events.finished.push(lane),
+            }
+            self.paths.set(lane, path);
+            if job.illumination.is_some() {
+                self.vertices.set(lane, vertex);
+            }
         }
     }
 
@@ -191,6 +236,9 @@ impl<T: Transport> Wavefront<T> {
             self.live -= 1;
             self.paths.set(lane, self.paths.get(self.live));
             self.flights.set(lane, self.flights.get(self.live));
+            if !self.vertices.is_empty() {
+                self.vertices.set(lane, self.vertices.get(self.live));
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What is to be done: the job as a whole, and one tile's share of a pass.
 
+use super::illumination::Illumination;
 use crate::scene::{Baked, Settings};
 use crate::shade::Sampler;
 
@@ -11,6 +12,8 @@ pub struct Job<'a> {
     pub settings: &'a Settings,
     /// Random numbers.
     pub sampler: Sampler,
+    /// Light sampling, if any.
+    pub illumination: Option<Illumination>,
 }
 
 /// Some samples of every pixel of a tile.

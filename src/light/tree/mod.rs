@@ -38,6 +38,7 @@ pub struct Emission {
 }
 
 /// A binary tree of emitters.
+#[derive(Default)]
 pub struct Tree {
     /// `None` if no emitter has power.
     root: Option<Link>,
@@ -88,8 +89,8 @@ const COSINE_ERROR: f64 = 1e-6;
 const SMALLEST_SQUARE: f64 = 1e-60;
 
 impl Tree {
-    /// Chooses an emitter for light at `x` on a surface of unit `normal` (either side of it; `None`: no surface, or one
-    /// unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
+    /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no surface, or
+    /// one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.
@@ -190,7 +191,8 @@ impl Node {
         let shines = cos > f64::from(self.cos_emission) - COSINE_ERROR;
         let emitted = if shines { cos.max(COSINE_ERROR) } else { 0.0 };
         let received = receiver.normal.map_or(1.0, |normal| {
-            Angle::from_cosine(normal.dot(direction).abs()).less(subtended).cos.max(COSINE_ERROR)
+            let cos = Angle::from_cosine(-normal.dot(direction)).less(subtended).cos;
+            if cos > -COSINE_ERROR { cos.max(COSINE_ERROR) } else { 0.0 }
         });
         intensity * emitted.max(floor) * received.max(floor)
     }

@@ -1,16 +1,21 @@
 //! Light from surfaces.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::super::path::Path;
+use super::super::transport::Landing;
+use super::super::vertex::Vertex;
+use super::super::work::Job;
+use super::light::share;
 use crate::geometry::SurfacePoint;
-use crate::shade::Material;
 
-/// Adds what the surface emits towards a path that arrives in `direction`.
+/// Adds what the surface emits towards a path that lands on it, less what light sampling finds.
 #[inline]
-pub fn emit(material: &Material, surface: &SurfacePoint, direction: DVec3, path: &mut Path) {
-    let front = direction.dot(surface.normal) < 0.0;
+pub fn emit(job: &Job, surface: &SurfacePoint, landing: &Landing, vertex: &Vertex, path: &mut Path) {
+    let material = &job.scene.materials[surface.surface.material as usize];
+    let front = landing.direction.dot(surface.normal) < 0.0;
     if material.emission != Vec3::ZERO && (front || material.emits_both_sides) {
-        path.radiance += path.throughput * material.emission;
+        let share = share(job, vertex, landing.direction, Some((landing, surface.normal)));
+        path.radiance += path.throughput * material.emission * share;
     }
 }

@@ -3,12 +3,15 @@
 use glam::DVec3;
 
 use super::super::path::Path;
+use super::super::vertex::Vertex;
 use super::super::work::Job;
+use super::light::share;
 
-/// Adds what a path sees in the unit `direction` at infinity.
+/// Adds what a path sees in the unit `direction` at infinity, less what light sampling finds.
 #[inline]
-pub fn escape(job: &Job, path: &mut Path, direction: DVec3) {
+pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
     if !job.scene.environment.is_black() {
-        path.radiance += path.throughput * job.scene.environment.radiance(direction);
+        let share = share(job, vertex, direction, None);
+        path.radiance += path.throughput * job.scene.environment.radiance(direction) * share;
     }
 }

@@ -20,6 +20,7 @@ pub mod emit;
 pub mod escape;
 pub mod generate;
 pub mod intersect;
+pub mod light;
 pub mod record;
 pub mod scatter;
 pub mod shade;

@@ -36,13 +36,13 @@ pub fn record_end(path: &Path, fate: Fate, samples: &mut Samples) {
     }
 }
 
-/// Adds a step, and for camera rays its length, computed only if wanted.
+/// Adds a step, of a light ray or not, and for camera rays its length, computed only if wanted.
 #[inline]
-pub fn record_step(path: &Path, length: impl FnOnce() -> f64, samples: &mut Samples) {
+pub fn record_step(path: &Path, is_lit: bool, length: impl FnOnce() -> f64, samples: &mut Samples) {
     if samples.wanted().steps {
         samples.steps[path.slot as usize] += 1;
     }
-    if samples.wanted().depth && path.depth == 1 {
+    if samples.wanted().depth && path.depth == 1 && !is_lit {
         samples.first[path.slot as usize].depth += length();
     }
 }

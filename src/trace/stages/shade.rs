@@ -1,20 +1,64 @@
 //! What happens where a ray lands: the surface is looked up, recorded, gathered from, and scattered at.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::super::path::Path;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
+use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::emit::emit;
+use super::light::propose;
 use super::record::record_hit;
 use super::scatter::scatter;
+use crate::light::Target;
+use crate::shade::Incidence;
 
-/// Takes a path through the surface it landed on: the unit direction it leaves in, or `None` if it ends here.
+/// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
+/// continuation, as `vertex` says; `None` if it ends here.
 #[inline]
-pub fn shade(job: &Job, path: &mut Path, landing: &Landing, samples: &mut Samples) -> Option<DVec3> {
+pub fn shade(
+    job: &Job,
+    path: &mut Path,
+    vertex: &mut Vertex,
+    landing: &Landing,
+    samples: &mut Samples,
+) -> Option<DVec3> {
     let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
     record_hit(job, path, landing, &surface, samples);
-    emit(&job.scene.materials[surface.surface.material as usize], &surface, landing.direction, path);
-    scatter(job, path, landing, &surface)
+    emit(job, &surface, landing, vertex, path);
+    let incidence = Incidence {
+        direction: landing.direction,
+        normal: surface.normal,
+        shading_normal: surface.shading_normal,
+        material: surface.surface.material,
+        media: path.media,
+    };
+    let Some(illumination) = &job.illumination else {
+        return scatter(job, path, &incidence).map(|bounce| bounce.direction);
+    };
+    let light_ray = propose(job, illumination, path, &incidence, landing.position);
+    let bounce = scatter(job, path, &incidence);
+    *vertex = Vertex {
+        position: landing.position,
+        normal: incidence.facing().0,
+        leaves: landing.primitive,
+        continues: bounce.is_some(),
+        direction: bounce.map_or(DVec3::ZERO, |bounce| bounce.direction),
+        density: bounce.map_or(0.0, |bounce| bounce.density),
+        is_lit: light_ray.is_some(),
+        target: light_ray.map_or(Target::Nothing, |ray| ray.target),
+        brings: light_ray.map_or(Vec3::ZERO, |ray| ray.brings),
+    };
+    light_ray.map(|ray| ray.direction).or(bounce.map(|bounce| bounce.direction))
+}
+
+/// Ends a path's light ray, at its target or not: the unit direction in which the path goes on, or `None` if it ends.
+#[inline]
+pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> Option<DVec3> {
+    if is_reached {
+        path.radiance += vertex.brings;
+    }
+    vertex.is_lit = false;
+    vertex.continues.then_some(vertex.direction)
 }

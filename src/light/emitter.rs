@@ -1,0 +1,193 @@
+//! Surfaces that emit, and points on them.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec3, Vec3};
+
+use super::Emission;
+use crate::geometry::{PrimitiveId, Shape, Sphere};
+use crate::math::frame::tangents;
+
+/// An emitting primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter {
+    /// Its name in the geometry.
+    pub primitive: PrimitiveId,
+    /// Its shape.
+    pub shape: Shape,
+    /// Emitted radiance.
+    pub radiance: Vec3,
+    /// Whether its back emits, too.
+    pub both_sides: bool,
+    /// The part of a sphere to which points are limited, if not all of it can be seen.
+    pub cap: Option<Cap>,
+}
+
+/// A cap of a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cap {
+    /// Unit vector from the sphere's centre to the middle of the cap.
+    pub axis: DVec3,
+    /// Cosine of its half-angle, seen from the centre.
+    pub cos: f64,
+}
+
+/// A point on an emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// World position.
+    pub position: DVec3,
+    /// Unit normal, towards the front.
+    pub normal: DVec3,
+    /// Density over the area, scene units⁻².
+    pub density: f64,
+}
+
+/// Where an emitter is looked at from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Distance of the onlooker, scene units.
+    pub distance: f64,
+    /// Unit direction in which light is followed to the middle of the emitter.
+    pub direction: DVec3,
+    /// Whether that direction is exact; a guess misses parts of what can be seen.
+    pub is_exact: bool,
+}
+
+/// Share of points spread evenly over a sphere of which only a guess says which side is seen.
+const EVEN: f64 = 0.1;
+
+impl Emitter {
+    /// The point of which [`View`] tells the direction.
+    pub fn middle(&self) -> DVec3 {
+        match self.shape {
+            Shape::Sphere(sphere) => sphere.center,
+            Shape::Disk(disk) => disk.center,
+            Shape::Triangle([a, b, c]) => (a + b + c) / 3.0,
+        }
+    }
+
+    /// Whether points depend on the view.
+    pub fn needs_view(&self) -> bool {
+        matches!(self.shape, Shape::Sphere(_)) && self.cap.is_none()
+    }
+
+    /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
+    /// and of a sphere from the side on which the place is.
+    pub fn is_lit_by(&self, cos: f64, place: DVec3) -> bool {
+        let is_front = match self.shape {
+            Shape::Sphere(sphere) => place.distance_squared(sphere.center) > sphere.radius * sphere.radius,
+            _ => cos > 0.0,
+        };
+        (cos > 0.0) == is_front && cos != 0.0 && (is_front || self.both_sides)
+    }
+
+    /// A point, from two numbers in [0, 1).
+    pub fn sample(&self, view: &View, u: f64, v: f64) -> Option<Spot> {
+        let (position, normal) = match self.shape {
+            Shape::Sphere(sphere) => {
+                let normal = match self.cap {
+                    Some(cap) => around(cap.axis, 1.0 - u * (1.0 - cap.cos), v),
+                    None => sphere_normal(&sphere, view, u, v)?,
+                };
+                (sphere.center + sphere.radius * normal, normal)
+            }
+            Shape::Disk(disk) => {
+                let (tangent, bitangent) = tangents(disk.normal);
+                let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
+                let radius = (inner2 + u * (outer2 - inner2)).sqrt();
+                let (sin, cos) = (TAU * v).sin_cos();
+                (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
+            }
+            Shape::Triangle([a, b, c]) => {
+                // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+                let (u, v) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
+                let normal = (b - a).cross(c - a).try_normalize()?;
+                (a + u * (b - a) + v * (c - a), normal)
+            }
+        };
+        let density = self.density(view, normal);
+        (density > 0.0).then_some(Spot { position, normal, density })
+    }
+
+    /// Density over the area of a point with this normal.
+    pub fn density(&self, view: &View, normal: DVec3) -> f64 {
+        match (self.shape, self.cap) {
+            (Shape::Sphere(sphere), Some(cap)) => {
+                let area = TAU * sphere.radius * sphere.radius * (1.0 - cap.cos);
+                if normal.dot(cap.axis) >= cap.cos { 1.0 / area } else { 0.0 }
+            }
+            (Shape::Sphere(sphere), None) => sphere_density(&sphere, view, normal),
+            _ => 1.0 / self.shape.area(),
+        }
+    }
+
+    /// What the light tree is to know.
+    pub fn emission(&self) -> Emission {
+        let (min, max) = self.shape.bounds();
+        let (axis, cos_normals) = match (self.shape, self.cap) {
+            (Shape::Sphere(_), Some(cap)) => (cap.axis, cap.cos),
+            (Shape::Sphere(_), None) => (DVec3::Z, -1.0),
+            (Shape::Disk(disk), _) => (disk.normal, 1.0),
+            (Shape::Triangle([a, b, c]), _) => ((b - a).cross(c - a).normalize_or(DVec3::Z), 1.0),
+        };
+        let area = match (self.shape, self.cap) {
+            (Shape::Sphere(sphere), Some(cap)) => TAU * sphere.radius * sphere.radius * (1.0 - cap.cos),
+            (shape, _) => shape.area(),
+        };
+        let sides = if self.both_sides && !matches!(self.shape, Shape::Sphere(_)) { 2.0 } else { 1.0 };
+        let power = sides * PI * area * luminance(self.radiance);
+        let both_sides = self.both_sides;
+        Emission { min, max, power, axis, cos_normals, cos_emission: 0.0, both_sides }
+    }
+}
+
+/// Luminance of linear Rec. 709 colours.
+pub fn luminance(colour: Vec3) -> f64 {
+    colour.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The unit vector at an angle to `axis`, given by its cosine, and the azimuth 2π `v`.
+fn around(axis: DVec3, cos: f64, v: f64) -> DVec3 {
+    let (tangent, bitangent) = tangents(axis);
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let (s, c) = (TAU * v).sin_cos();
+    sin * (c * tangent + s * bitangent) + cos * axis
+}
+
+/// (R/d)², and 1 − cos of the angle under which a sphere is seen; `None` from inside.
+fn cone(sphere: &Sphere, view: &View) -> Option<(f64, f64)> {
+    let sin2 = (sphere.radius / view.distance).powi(2);
+    (sin2 < 1.0).then(|| (sin2, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+}
+
+/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any point
+/// from inside, and now and then where the view is a guess.
+fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> Option<DVec3> {
+    let even = if view.is_exact { 0.0 } else { EVEN };
+    let cone = cone(sphere, view);
+    if cone.is_none() || u < even {
+        let u = if cone.is_none() { u } else { u / even };
+        return Some(around(DVec3::Z, 1.0 - 2.0 * u, v));
+    }
+    let (sin2, height) = cone?;
+    let u = (u - even) / (1.0 - even);
+    // The ray at the angle θ to the middle meets the sphere at the angle α, seen from the centre
+    // [Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th ed., 6.2.4].
+    let less = u * height;
+    let sin2_theta = less * (2.0 - less);
+    let distance = 1.0 / sin2.sqrt();
+    let cos_alpha = sin2_theta * distance + (1.0 - less) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
+    Some(around(-view.direction, cos_alpha.min(1.0), v))
+}
+
+/// Density over the area of [`sphere_normal`].
+fn sphere_density(sphere: &Sphere, view: &View, normal: DVec3) -> f64 {
+    let even = 1.0 / (4.0 * PI * sphere.radius * sphere.radius);
+    let Some((_, height)) = cone(sphere, view) else { return even };
+    let offset = view.distance * view.direction + sphere.radius * normal;
+    let distance2 = offset.length_squared();
+    let cos = -offset.dot(normal) / distance2.sqrt();
+    let seen = if cos > 0.0 { cos / (TAU * height * distance2) } else { 0.0 };
+    if view.is_exact { seen } else { EVEN * even + (1.0 - EVEN) * seen }
+}

@@ -1,0 +1,109 @@
+//! Directions of light from infinity, by luminance.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3};
+
+use super::emitter::luminance;
+use crate::shade::LatLong;
+
+/// The luminance of a latitude-longitude picture as a distribution of directions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sky {
+    width: usize,
+    height: usize,
+    /// World direction → image direction.
+    from_world: DMat3,
+    /// Per row: the probability of all rows before it; then 1.
+    rows: Vec<f64>,
+    /// Per row, per column: the probability within the row of all columns before it; then 1.
+    columns: Vec<f64>,
+}
+
+impl Sky {
+    /// The distribution of `image`; `None` if it is black.
+    pub fn new(image: &LatLong) -> Option<Self> {
+        let (width, height) = (image.width, image.height);
+        // Look-up is bilinear, so that a pixel shines into its neighbours.
+        let brightness = |x: usize, y: usize| {
+            let above = y.saturating_sub(1)..=(y + 1).min(height - 1);
+            let around = [(x + width - 1) % width, x, (x + 1) % width];
+            let pixels = above.flat_map(|y| around.map(|x| luminance(image.pixels[y * width + x])));
+            pixels.sum::<f64>() / 9.0
+        };
+        let mut columns = Vec::with_capacity((width + 1) * height);
+        let mut sums = Vec::with_capacity(height);
+        for y in 0..height {
+            let row: Vec<f64> = (0..width).map(|x| brightness(x, y)).collect();
+            let sum = cumulate(&row, &mut columns);
+            sums.push(sum * (PI * (y as f64 + 0.5) / height as f64).sin());
+        }
+        let mut rows = Vec::with_capacity(height + 1);
+        let total = cumulate(&sums, &mut rows);
+        let is_usable = total > 0.0 && total.is_finite();
+        is_usable.then_some(Self { width, height, from_world: image.from_world, rows, columns })
+    }
+
+    /// A unit direction, world, and its density in solid angle, from two numbers in [0, 1).
+    pub fn sample(&self, u: f64, v: f64) -> Option<(DVec3, f64)> {
+        let (row, y) = find(&self.rows, v);
+        let (column, x) = find(self.row(row), u);
+        let longitude = TAU * ((column as f64 + x) / self.width as f64 - 0.5);
+        let (sin, cos) = (PI * (row as f64 + y) / self.height as f64).sin_cos();
+        let direction = DVec3::new(sin * longitude.sin(), cos, -sin * longitude.cos());
+        let density = self.texel_density(row, column, sin);
+        (density > 0.0 && density.is_finite()).then(|| (self.from_world.transpose() * direction, density))
+    }
+
+    /// Density in solid angle of a unit direction, world.
+    pub fn density(&self, direction: DVec3) -> f64 {
+        let d = self.from_world * direction;
+        let u = 0.5 + d.x.atan2(-d.z) / TAU;
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let column = ((u * self.width as f64) as usize).min(self.width - 1);
+        let row = ((v * self.height as f64) as usize).min(self.height - 1);
+        let sin = (1.0 - d.y * d.y).max(0.0).sqrt();
+        if sin > 0.0 { self.texel_density(row, column, sin) } else { 0.0 }
+    }
+
+    /// Heap memory, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<f64>() * (self.rows.len() + self.columns.len())
+    }
+
+    fn row(&self, row: usize) -> &[f64] {
+        &self.columns[row * (self.width + 1)..(row + 1) * (self.width + 1)]
+    }
+
+    fn texel_density(&self, row: usize, column: usize, sin: f64) -> f64 {
+        let columns = self.row(row);
+        let share = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
+        share * (self.width * self.height) as f64 / (TAU * PI * sin)
+    }
+}
+
+/// Appends the cumulative distribution of `weights` to `out`, even if all are 0; gives their sum.
+fn cumulate(weights: &[f64], out: &mut Vec<f64>) -> f64 {
+    let sum: f64 = weights.iter().sum();
+    let mut below = 0.0;
+    out.push(0.0);
+    for (index, weight) in weights.iter().enumerate() {
+        below += weight;
+        let even = (index + 1) as f64 / weights.len() as f64;
+        out.push(if index + 1 == weights.len() {
+            1.0
+        } else if sum > 0.0 {
+            below / sum
+        } else {
+            even
+        });
+    }
+    sum
+}
+
+/// The interval of a cumulative distribution in which `u` falls, and how far in.
+fn find(cumulative: &[f64], u: f64) -> (usize, f64) {
+    let after = cumulative.partition_point(|&below| below <= u).clamp(1, cumulative.len() - 1);
+    let (low, high) = (cumulative[after - 1], cumulative[after]);
+    (after - 1, if high > low { ((u - low) / (high - low)).min(1.0) } else { 0.5 })
+}

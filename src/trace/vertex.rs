@@ -1,0 +1,31 @@
+//! The last vertex of a path: where its rays start, and the light ray that flies before the path goes on.
+
+use glam::{DVec3, Vec3};
+
+use super::columns::columns;
+use crate::geometry::PrimitiveId;
+use crate::light::Target;
+
+columns! {
+    /// A surface that a path scattered at; only with light sampling.
+    pub struct Vertex => VertexBlock {
+        /// World position.
+        position: DVec3,
+        /// Unit normal on the side that the path came from.
+        normal: DVec3,
+        /// The primitive it lies on.
+        leaves: PrimitiveId,
+        /// Whether the path goes on.
+        continues: bool,
+        /// Unit direction in which it does.
+        direction: DVec3,
+        /// Density of that direction in solid angle; 0 if light sampling cannot choose it: at the camera, off a mirror.
+        density: f64,
+        /// Whether the ray in flight is a light ray.
+        is_lit: bool,
+        /// What the light ray is aimed at.
+        target: Target,
+        /// What it adds to the path if it gets there.
+        brings: Vec3,
+    }
+}
