@@ -23,7 +23,13 @@ impl Tree {
         let brightest = emissions.iter().map(|emission| emission.power).fold(0.0, f64::max);
         let shining = emissions.iter().zip(0..).filter(|(emission, _)| emission.power > 0.0);
         let mut leaves: Vec<Leaf> = shining.map(|(emission, i)| Leaf::new(emission, brightest, i)).collect();
-        let mut tree = Tree { root: None, nodes: Vec::new(), trails: vec![0; emissions.len()], origin: DVec3::ZERO, floor };
+        let mut tree = Tree {
+            root: None,
+            nodes: Vec::new(),
+            trails: vec![0; emissions.len()],
+            origin: DVec3::ZERO,
+            floor,
+        };
         let Some(first) = leaves.first() else { return tree };
         let (min, max) = leaves.iter().fold((first.cluster.min, first.cluster.max), |(min, max), leaf| {
             (min.min(leaf.cluster.min), max.max(leaf.cluster.max))
