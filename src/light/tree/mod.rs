@@ -5,8 +5,8 @@
 //!
 //! A cluster is known by a sphere around it, its power and the cone of its normals. From the root on, one of two
 //! children is chosen by their importance: power × bound of both cosines / squared distance. As the cosines are bounds
-//! over everything in the cluster, what can contribute along a straight line is never left out. A cluster may look as if
-//! it could contribute where none of its emitters does; the choice then ends without an emitter.
+//! over everything in the cluster, what can contribute along a straight line is never left out. A cluster may look as
+//! if it could contribute where none of its emitters does; the choice then ends without an emitter.
 
 mod build;
 mod cone;
@@ -85,8 +85,8 @@ struct Receiver {
 /// Cosines of a node are this inexact: its axis and angles are rounded.
 const COSINE_ERROR: f64 = 1e-6;
 /// A cluster's distance is at least this much of its radius: within it, its middle says little about where its emitters
-/// are. (Half the diagonal, the radius itself, is \[P\]'s choice; 1/3 measures best of 1, 1/√2, 1/√3, 1/3 and 1/√30: among
-/// 10 000 small triangles in a cube, in a wall, or on 200 spheres the variance falls by factors of 9, 5 and 3.)
+/// are. 1/3 measures best of 1 (half the diagonal), 1/√2, 1/√3, 1/3 and 1/√30: among 10 000 small triangles in a cube,
+/// in a wall, or on 200 spheres the variance is 9, 5 and 3 times lower than with 1.
 const NEAREST: f64 = 1.0 / 3.0;
 /// Squared distances below this are taken for it, so that the importance of a point stays finite at the point.
 const SMALLEST_SQUARE: f64 = 1e-60;
