@@ -29,6 +29,7 @@ use warpfront::geodesic::{
 use warpfront::geometry::{
     Geometry, Instance, Line, Mesh, PrimitiveId, Primitives, Segment, Sphere, Surface, Triangle,
 };
+use warpfront::light::{Emission, Tree};
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
 
@@ -250,6 +251,53 @@ mod search {
     #[divan::bench]
     fn rays_cwbvh_inflated(bencher: Bencher) {
         count(bencher, &BENCH_SCENE.lines, |line| BENCH_SCENE.wide_inflated.find(line));
+    }
+}
+
+/// One of ten thousand emitters for a point among them.
+mod lights {
+    use super::*;
+
+    const EMITTERS: u32 = 10_000;
+
+    fn tree(random: &mut Xoshiro256PlusPlus) -> Tree {
+        let mut emission = || {
+            let middle = DVec3::from_array(random.random());
+            Emission {
+                min: middle - 0.002,
+                max: middle + 0.002,
+                power: random.random(),
+                axis: direction(random),
+                cos_normals: 1.0,
+                cos_emission: 0.0,
+                both_sides: false,
+            }
+        };
+        Tree::build(&(0..EMITTERS).map(|_| emission()).collect::<Vec<_>>(), 0.1)
+    }
+
+    fn count(bencher: Bencher, find: impl Fn(&Tree, DVec3, DVec3, f64) -> f64) {
+        let mut random = random();
+        let tree = tree(&mut random);
+        let mut place = || (DVec3::from_array(random.random()), direction(&mut random), random.random());
+        let places: Vec<(DVec3, DVec3, f64)> = (0..ITEMS).map(|_| place()).collect();
+        bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
+            for &(x, normal, u) in &places {
+                black_box(find(&tree, black_box(x), normal, u));
+            }
+        });
+    }
+
+    #[divan::bench]
+    fn sample(bencher: Bencher) {
+        count(bencher, |tree, x, normal, u| tree.sample(x, Some(normal), u).map_or(0.0, |chosen| chosen.1));
+    }
+
+    #[divan::bench]
+    fn probability(bencher: Bencher) {
+        count(bencher, |tree, x, normal, u| {
+            tree.probability((u * f64::from(EMITTERS)) as u32, x, Some(normal))
+        });
     }
 }
 

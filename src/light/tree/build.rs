@@ -83,7 +83,7 @@ impl Cluster {
         }
     }
 
-    /// How often it is in doubt, times what is at stake: the surface-area-orientation heuristic of \[C, eq. 2\], with
+    /// How often it is in doubt, times what is at stake: the surface-area-orientation heuristic of \[C\], with
     /// the area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters
     /// in a row has no area.)
     fn cost(&self) -> f64 {

@@ -53,8 +53,8 @@ impl Cone {
         }
     }
 
-    /// The solid angle into which light goes, weighted by the cosine to the nearest normal: \[C, eq. 1\], twice that
-    /// for both sides.
+    /// The solid angle into which light goes, weighted by the cosine to the nearest normal: the orientation measure of
+    /// \[C\], twice that for both sides.
     pub fn measure(&self) -> f64 {
         let o = self.normals;
         let w = (o + self.emission).min(PI);

@@ -5,8 +5,8 @@
 //!
 //! A cluster is known by a sphere around it, its power and the cone of its normals. From the root on, one of two
 //! children is chosen by their importance: power × bound of both cosines / squared distance. As the cosines are bounds
-//! over everything in the cluster, what can contribute along a straight line is never left out. A cluster may look as if
-//! it could contribute where none of its emitters does; the choice then ends without an emitter.
+//! over everything in the cluster, what can contribute along a straight line is never left out. A cluster may look as
+//! if it could contribute where none of its emitters does; the choice then ends without an emitter.
 
 mod build;
 mod cone;
@@ -85,12 +85,16 @@ struct Receiver {
 
 /// Cosines of a node are this inexact: its axis and angles are rounded.
 const COSINE_ERROR: f64 = 1e-6;
+/// A cluster's distance is at least this much of its radius: within it, its middle says little about where its emitters
+/// are. 1/3 measures best of 1 (half the diagonal), 1/√2, 1/√3, 1/3 and 1/√30: among 10 000 small triangles in a cube,
+/// in a wall, or on 200 spheres the variance is 9, 5 and 3 times lower than with 1.
+const NEAREST: f64 = 1.0 / 3.0;
 /// Squared distances below this are taken for it, so that the importance of a point stays finite at the point.
 const SMALLEST_SQUARE: f64 = 1e-60;
 
 impl Tree {
-    /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no surface, or
-    /// one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
+    /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no
+    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.
@@ -104,8 +108,8 @@ impl Tree {
             };
             let [left, right] = self.chances(first, &receiver)?;
             let goes_right = u >= left;
-            u = if goes_right { (u - left) / (1.0 - left) } else { u / left };
-            u = u.min(1f64.next_down());
+            let (below, chance) = if goes_right { (left, 1.0 - left) } else { (0.0, left) };
+            u = ((u - below) / chance).min(1f64.next_down());
             probability *= if goes_right { right } else { left };
             link = self.nodes[first as usize + usize::from(goes_right)].link;
         }
@@ -171,29 +175,37 @@ impl Node {
         }
     }
 
-    /// Importance \[C, eq. 3; P, eq. 12.?\], finite, at least 0.
+    /// Importance \[C, P\], finite and at least 0; 0 only where nothing in the cluster can contribute.
     #[inline]
     fn importance(&self, receiver: &Receiver, floor: f64) -> f64 {
         let from = receiver.x - self.middle.as_dvec3();
-        let (square, radius) = (from.length_squared(), f64::from(self.radius));
-        // Nearer than half the diagonal the middle says nothing about the distance.
-        let intensity = f64::from(self.power) / square.max(radius * radius).max(SMALLEST_SQUARE);
-        if square <= radius * radius {
+        let (square, radius2) = (from.length_squared(), f64::from(self.radius) * f64::from(self.radius));
+        let intensity = f64::from(self.power) / square.max(NEAREST * NEAREST * radius2).max(SMALLEST_SQUARE);
+        if square <= radius2 {
             return intensity;
         }
-        let inverse = square.sqrt().recip();
-        let direction = inverse * from;
-        let subtended = Angle::from_sine(radius * inverse);
+        // Roots of squares, none of another root: half the time of a choice is the wait for them.
+        let inverse2 = square.recip();
+        let inverse = inverse2.sqrt();
+        let sin2 = radius2 * inverse2;
+        let subtended = Angle { cos: (1.0 - sin2).max(0.0).sqrt(), sin: sin2.sqrt() };
+        let to = |unit: DVec3, both_ways: bool| {
+            let along = unit.dot(from);
+            let along = if both_ways { along.abs() } else { along };
+            let sin2 = 1.0 - along * along * inverse2;
+            Angle { cos: along * inverse, sin: sin2.max(0.0).sqrt() }
+        };
         let normals = Angle { cos: self.cos_normals.into(), sin: self.sin_normals.into() };
-        let cos = direction.dot(self.axis.as_dvec3());
-        let cos = if self.both_sides { cos.abs() } else { cos };
-        let cos = Angle::from_cosine(cos).less(normals).less(subtended).cos;
+        let cos = to(self.axis.as_dvec3(), self.both_sides).less(normals).less(subtended).cos;
         let shines = cos > f64::from(self.cos_emission) - COSINE_ERROR;
         let emitted = if shines { cos.max(COSINE_ERROR) } else { 0.0 };
-        let received = receiver.normal.map_or(1.0, |normal| {
-            let cos = Angle::from_cosine(-normal.dot(direction)).less(subtended).cos;
-            if cos > -COSINE_ERROR { cos.max(COSINE_ERROR) } else { 0.0 }
-        });
+        let received = match receiver.normal {
+            Some(normal) => {
+                let cos = to(-normal, false).less(subtended).cos;
+                if cos > -COSINE_ERROR { cos.max(COSINE_ERROR) } else { 0.0 }
+            }
+            None => 1.0,
+        };
         intensity * emitted.max(floor) * received.max(floor)
     }
 }
@@ -206,26 +218,14 @@ struct Angle {
 }
 
 impl Angle {
-    const ZERO: Angle = Angle { cos: 1.0, sin: 0.0 };
-
-    fn from_cosine(cos: f64) -> Self {
-        Self { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
-    }
-
-    /// At most a right angle.
-    fn from_sine(sin: f64) -> Self {
-        Self { cos: (1.0 - sin * sin).max(0.0).sqrt(), sin }
-    }
-
     /// The difference, at least 0.
+    #[inline]
     fn less(self, other: Angle) -> Angle {
-        if self.cos >= other.cos {
-            return Self::ZERO;
-        }
-        Angle {
-            cos: self.cos * other.cos + self.sin * other.sin,
-            sin: self.sin * other.cos - self.cos * other.sin,
-        }
+        let cos = self.cos * other.cos + self.sin * other.sin;
+        let sin = self.sin * other.cos - self.cos * other.sin;
+        // Two choices of numbers, not one of ways: which it is cannot be predicted.
+        let smaller = self.cos >= other.cos;
+        Angle { cos: if smaller { 1.0 } else { cos }, sin: if smaller { 0.0 } else { sin } }
     }
 }
 

@@ -279,7 +279,7 @@ fn an_emitter_close_by_is_far_likelier_than_by_its_power() {
         let [a, b, c] = triangles[i].corners;
         let x = (a + b + c) / 3.0 + 0.01 * all[i].axis;
         let likelier = tree.probability(i as u32, x, Some(-all[i].axis)) / (all[i].power / total);
-        assert!(likelier > 200.0, "{likelier}");
+        assert!(likelier > 30.0, "{likelier}");
     }
 }
 
@@ -302,7 +302,7 @@ fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power
     .collect();
     let all = emissions(&triangles);
     let total: f64 = all.iter().map(|emission| emission.power).sum();
-    for (floor, gain) in [(0.0, 5.0), (0.1, 4.0)] {
+    for floor in [0.0, 0.1] {
         let tree = Tree::build(&all, floor);
         let (mut by_tree, mut by_power) = (0.0, 0.0);
         for _ in 0..30 {
@@ -315,8 +315,7 @@ fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power
             by_tree += variance(&lights, probabilities(&tree, x, normal).into_iter());
             by_power += variance(&lights, all.iter().map(|emission| emission.power / total));
         }
-        eprintln!("floor {floor}: {by_tree} {by_power} gain {}", by_power / by_tree);
-        assert!(by_tree * gain < by_power, "{by_tree} {by_power}");
+        assert!(10.0 * by_tree < by_power, "{by_tree} {by_power}");
     }
 }
 
@@ -391,5 +390,4 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
 #[test]
 fn a_node_is_small() {
     assert!(size_of::<Node>() <= 64);
-    eprintln!("node {}", size_of::<Node>());
 }
