@@ -69,7 +69,7 @@ impl Triangle {
         let direction = to.normalize();
         let leaves = -direction.dot(self.doubled_area().normalize());
         let leaves = if self.both_sides { leaves.abs() } else { leaves.max(0.0) };
-        self.radiance * leaves * normal.map_or(1.0, |n| n.dot(direction).abs()) / to.length_squared()
+        self.radiance * leaves * normal.map_or(1.0, |n| n.dot(direction).max(0.0)) / to.length_squared()
     }
 }
 
