@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::{Camera, Settings};
 use crate::geometry::Geometry;
+use crate::light::Punctual;
 use crate::shade::{Environment, Material};
 
 /// A spacetime and where its centre is placed.
@@ -32,6 +33,8 @@ pub struct Baked {
     pub materials: Vec<Material>,
     /// Entity names, indexed by [`crate::geometry::Surface::entity`].
     pub entities: Vec<String>,
+    /// Lights without extent, in the order of the scene.
+    pub punctual: Vec<Punctual>,
     /// Light from infinity.
     pub environment: Environment,
     /// Settings of the scene file, defaults filled in.

@@ -1,0 +1,5 @@
+//! Emitters and how to find them.
+
+mod punctual;
+
+pub use punctual::Punctual;
