@@ -266,7 +266,7 @@ fn lights_without_meaning_show_their_line() {
         ("emission = 3\n", "a `light` has no surface, so no `emission`"),
         ("light_scale = 1\n", "`light_scale` is for a `gltf`"),
         ("mesh = \"gone.obj\"\n", "more than one shape"),
-        ("transform = { translate = [9e17, 0, 0], scale = 2e17 }\n", "position or direction is not usable"),
+        ("transform = { translate = [9e17, 0, 0], scale = 3e17 }\n", "position or direction is not usable"),
     ] {
         assert_located(shape, &format!("{light}{also}"), &[expected]);
     }
