@@ -19,8 +19,8 @@ use crate::light::Punctual;
 ///
 /// # Errors
 /// A shape that its transform makes singular, elliptic or too large; a light that is too far or too bright, or whose
-/// direction its transform loses; an unusable camera or one behind the horizon; a
-/// scene in which there is nothing to see.
+/// direction its transform loses; an unusable camera or one behind the horizon; a scene in which there is nothing to
+/// see.
 pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     let (primitives, shaped) = flatten(&mut world)?;
     if shaped.is_empty() && world.environment.is_black() {

@@ -14,9 +14,8 @@ const DEFAULT_OUTER: f64 = 45.0;
 
 /// Checks a light and reads it, in entity space.
 pub(super) fn light(table: &Spanned<LightTable>) -> Result<Punctual, Fault> {
-    check_keys(table.get_ref())?;
-    let span = table.span();
-    let table = table.get_ref();
+    let (span, table) = (table.span(), table.get_ref());
+    check_keys(table)?;
     let position =
         || check::finite_vector(needed(&table.position, "position", table.kind, &span)?, "position");
     let direction =
@@ -55,20 +54,19 @@ fn needed<'a, T>(
 
 /// Fails if a key is given that lights of this kind do not have.
 fn check_keys(table: &LightTable) -> Result<(), Fault> {
-    use LightName::{Distant, Point, Spot};
-    let keys: [(&str, Option<Range<usize>>, &[LightName]); 6] = [
-        ("position", table.position.as_ref().map(Spanned::span), &[Point, Spot]),
-        ("direction", table.direction.as_ref().map(Spanned::span), &[Spot, Distant]),
-        ("intensity", table.intensity.as_ref().map(Spanned::span), &[Point, Spot]),
-        ("irradiance", table.irradiance.as_ref().map(Spanned::span), &[Distant]),
-        ("inner_angle", table.inner_angle.as_ref().map(Spanned::span), &[Spot]),
-        ("outer_angle", table.outer_angle.as_ref().map(Spanned::span), &[Spot]),
+    let (spot, distant) = (table.kind == LightName::Spot, table.kind == LightName::Distant);
+    let keys = [
+        ("position", table.position.as_ref().map(Spanned::span), !distant),
+        ("direction", table.direction.as_ref().map(Spanned::span), spot || distant),
+        ("intensity", table.intensity.as_ref().map(Spanned::span), !distant),
+        ("irradiance", table.irradiance.as_ref().map(Spanned::span), distant),
+        ("inner_angle", table.inner_angle.as_ref().map(Spanned::span), spot),
+        ("outer_angle", table.outer_angle.as_ref().map(Spanned::span), spot),
     ];
-    let has = |kinds: &[LightName]| kinds.contains(&table.kind);
     let known: Vec<String> =
-        keys.iter().filter(|(.., kinds)| has(kinds)).map(|(key, ..)| format!("`{key}`")).collect();
-    for (key, given, kinds) in keys {
-        if let (Some(span), false) = (given, has(kinds)) {
+        keys.iter().filter(|(.., has)| *has).map(|(key, ..)| format!("`{key}`")).collect();
+    for (key, given, has) in keys {
+        if let (Some(span), false) = (given, has) {
             return Err(Fault::at(
                 span,
                 format!("a {} light has no `{key}`", table.kind.name()),

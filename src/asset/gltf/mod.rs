@@ -24,8 +24,8 @@ use buffers::Buffers;
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
-/// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a
-/// colour, an intensity or cone angles that make no sense.
+/// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
+/// an intensity or cone angles that make no sense.
 pub fn load(path: &Path) -> Result<Model, AssetError> {
     let bytes = AssetError::read(path)?;
     let gltf = validate::parse(&bytes).map_err(|flaw| AssetError::content(path, flaw))?;
