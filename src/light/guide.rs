@@ -158,7 +158,9 @@ impl Guide {
         let mut node = 0;
         loop {
             match self.nodes[node] {
-                Node::Split { axis, at, above } => node = if x[axis] < at { node + 1 } else { above as usize },
+                Node::Split { axis, at, above } => {
+                    node = if x[axis] < at { node + 1 } else { above as usize }
+                }
                 Node::Leaf(leaf) => {
                     let Leaf { middle, reach, .. } = self.leaves[leaf as usize];
                     return (x.distance_squared(middle) <= reach * reach).then_some(leaf as usize);
@@ -169,9 +171,10 @@ impl Guide {
 
     /// Appends the tree of `photons`, and the number of each leaf's photons to `counts`.
     fn split(&mut self, photons: &mut [Photon], counts: &mut Vec<usize>) {
-        let (low, high) = photons.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), photon| {
-            (low.min(photon.position), high.max(photon.position))
-        });
+        let (low, high) =
+            photons.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), photon| {
+                (low.min(photon.position), high.max(photon.position))
+            });
         let axis = (high - low).max_position();
         if photons.len() <= LEAF || low[axis] == high[axis] {
             counts.push(photons.len());
@@ -208,7 +211,8 @@ impl Lobe {
     /// The lobe of photons that came the same way; `None` if they come from all around.
     fn fit(photons: &[&Photon], weight: f64) -> Option<Self> {
         let count = photons.len() as f64;
-        let mean = |f: &dyn Fn(&Photon) -> DVec3| photons.iter().map(|photon| f(photon)).sum::<DVec3>() / count;
+        let mean =
+            |f: &dyn Fn(&Photon) -> DVec3| photons.iter().map(|photon| f(photon)).sum::<DVec3>() / count;
         let origin = mean(&|photon| photon.position);
         let axis = mean(&|photon| photon.direction).try_normalize()?;
         let (t1, t2) = tangents(mean(&|photon| photon.normal).try_normalize()?);

@@ -4,10 +4,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::shoot::{Ray, Shot, follow};
+use super::stages::scatter::incidence;
 use super::transport::{Outcome, Transport};
 use crate::light::{Emitter, Guide, Lights, Photon, View};
 use crate::scene::Baked;
-use crate::shade::{self, Incidence, Lobe, Media, Sampler};
+use crate::shade::{self, Media, Sampler};
 
 /// Photons for each pixel of the picture, and the fewest and the most in all.
 const PER_PIXEL: usize = 8;
@@ -19,7 +20,7 @@ const MOST_HOPS: u32 = 8;
 /// Sends photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
 /// glass, no surfaces that emit.
 pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Option<Guide> {
-    let bends = scene.materials.iter().any(|material| !matches!(material.lobe, Lobe::Diffuse { .. }));
+    let bends = scene.materials.iter().any(|material| material.is_specular());
     let powers: Vec<f64> = lights
         .emitters()
         .iter()
@@ -68,15 +69,9 @@ fn send<T: Transport>(
         let Shot { end, .. } = follow(transport, &scene.geometry, &ray, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return None };
         let surface = scene.geometry.surface_point(landing.primitive, landing.position);
-        let incidence = Incidence {
-            direction: landing.direction,
-            normal: surface.normal,
-            shading_normal: surface.shading_normal,
-            material: surface.surface.material,
-            media,
-        };
+        let incidence = incidence(&surface, landing.direction, media);
         way.add(surface.surface.entity);
-        if let Lobe::Diffuse { .. } = scene.materials[surface.surface.material as usize].lobe {
+        if !scene.materials[surface.surface.material as usize].is_specular() {
             return Some(Photon {
                 position: landing.position,
                 normal: incidence.facing().0,
