@@ -28,8 +28,31 @@ pub struct Emitter {
 pub struct Cap {
     /// Unit vector from the sphere's centre to the middle of the cap.
     pub axis: DVec3,
-    /// Cosine of its half-angle, seen from the centre.
-    pub cos: f64,
+    /// 1 − cos of its half-angle, seen from the centre: the height over the radius.
+    height: f64,
+}
+
+impl Cap {
+    /// A cap of half-angle `angle`, radians, around the unit vector `axis`.
+    pub fn new(axis: DVec3, angle: f64) -> Self {
+        Self { axis, height: 2.0 * (0.5 * angle).sin().powi(2) }
+    }
+
+    /// Whether a point with this unit normal lies on it.
+    pub fn holds(&self, normal: DVec3) -> bool {
+        0.5 * normal.distance_squared(self.axis) <= self.height
+    }
+
+    /// A box around it, on `sphere`.
+    fn bounds(&self, sphere: &Sphere) -> (DVec3, DVec3) {
+        let tip = sphere.center + sphere.radius * self.axis;
+        let reach = sphere.radius * (2.0 * self.height).sqrt();
+        (tip - reach, tip + reach)
+    }
+
+    fn area(&self, radius: f64) -> f64 {
+        TAU * radius * radius * self.height
+    }
 }
 
 /// A point on an emitter.
@@ -92,7 +115,7 @@ impl Emitter {
         let (position, normal) = match self.shape {
             Shape::Sphere(sphere) => {
                 let normal = match self.cap {
-                    Some(cap) => around(cap.axis, 1.0 - u * (1.0 - cap.cos), v),
+                    Some(cap) => around(cap.axis, u * cap.height, v),
                     None => sphere_normal(&sphere, view, u, v)?,
                 };
                 (sphere.center + sphere.radius * normal, normal)
@@ -119,8 +142,11 @@ impl Emitter {
     pub fn density(&self, view: &View, normal: DVec3) -> f64 {
         match (self.shape, self.cap) {
             (Shape::Sphere(sphere), Some(cap)) => {
-                let area = TAU * sphere.radius * sphere.radius * (1.0 - cap.cos);
-                if normal.dot(cap.axis) >= cap.cos { 1.0 / area } else { 0.0 }
+                if cap.holds(normal) {
+                    1.0 / cap.area(sphere.radius)
+                } else {
+                    0.0
+                }
             }
             (Shape::Sphere(sphere), None) => sphere_density(&sphere, view, normal),
             _ => 1.0 / self.shape.area(),
@@ -129,15 +155,18 @@ impl Emitter {
 
     /// What the light tree is to know.
     pub fn emission(&self) -> Emission {
-        let (min, max) = self.shape.bounds();
+        let (min, max) = match (self.shape, self.cap) {
+            (Shape::Sphere(sphere), Some(cap)) => cap.bounds(&sphere),
+            (shape, _) => shape.bounds(),
+        };
         let (axis, cos_normals) = match (self.shape, self.cap) {
-            (Shape::Sphere(_), Some(cap)) => (cap.axis, cap.cos),
+            (Shape::Sphere(_), Some(cap)) => (cap.axis, 1.0 - cap.height),
             (Shape::Sphere(_), None) => (DVec3::Z, -1.0),
             (Shape::Disk(disk), _) => (disk.normal, 1.0),
             (Shape::Triangle([a, b, c]), _) => ((b - a).cross(c - a).normalize_or(DVec3::Z), 1.0),
         };
         let area = match (self.shape, self.cap) {
-            (Shape::Sphere(sphere), Some(cap)) => TAU * sphere.radius * sphere.radius * (1.0 - cap.cos),
+            (Shape::Sphere(sphere), Some(cap)) => cap.area(sphere.radius),
             (shape, _) => shape.area(),
         };
         let sides = if self.both_sides && !self.is_closed() { 2.0 } else { 1.0 };
@@ -152,12 +181,12 @@ pub fn luminance(colour: Vec3) -> f64 {
     colour.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The unit vector at an angle to `axis`, given by its cosine, and the azimuth 2π `v`.
-fn around(axis: DVec3, cos: f64, v: f64) -> DVec3 {
+/// The unit vector at an angle to `axis`, given by 1 − its cosine, and the azimuth 2π `v`.
+fn around(axis: DVec3, height: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(axis);
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let sin = (height * (2.0 - height)).max(0.0).sqrt();
     let (s, c) = (TAU * v).sin_cos();
-    sin * (c * tangent + s * bitangent) + cos * axis
+    sin * (c * tangent + s * bitangent) + (1.0 - height) * axis
 }
 
 /// (R/d)², and 1 − cos of the angle under which a sphere is seen; `None` from inside.
@@ -173,7 +202,7 @@ fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> Option<DVec3> 
     let cone = cone(sphere, view);
     if cone.is_none() || u < even {
         let u = if cone.is_none() { u } else { u / even };
-        return Some(around(DVec3::Z, 1.0 - 2.0 * u, v));
+        return Some(around(DVec3::Z, 2.0 * u, v));
     }
     let (sin2, height) = cone?;
     let u = (u - even) / (1.0 - even);
@@ -183,7 +212,7 @@ fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> Option<DVec3> 
     let sin2_theta = less * (2.0 - less);
     let distance = 1.0 / sin2.sqrt();
     let cos_alpha = sin2_theta * distance + (1.0 - less) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
-    Some(around(-view.direction, cos_alpha.min(1.0), v))
+    Some(around(-view.direction, 1.0 - cos_alpha.min(1.0), v))
 }
 
 /// Density over the area of [`sphere_normal`].

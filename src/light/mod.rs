@@ -49,6 +49,8 @@ pub struct Lights {
     sky: Option<Sky>,
     /// Over `emitters`, then `points`.
     tree: Tree,
+    /// Least orientation factor of the tree.
+    floor: f64,
 }
 
 /// What a light sample is aimed at.
@@ -97,7 +99,7 @@ pub struct Receiver {
 }
 
 impl Lights {
-    /// The lights of a scene; `floor` is [`Sight::floor`].
+    /// The lights of a scene; `floor` is the tree's: 0 where rays are straight.
     pub fn new(
         geometry: &Geometry,
         materials: &[Material],
@@ -122,24 +124,24 @@ impl Lights {
         };
         let by_primitive =
             emitters.iter().zip(0..).map(|(emitter, index)| (emitter.primitive, index)).collect();
-        let mut lights = Self { emitters, by_primitive, points, distant, sky, tree: Tree::default() };
-        lights.build_tree(floor);
+        let mut lights = Self { emitters, by_primitive, points, distant, sky, tree: Tree::default(), floor };
+        lights.build_tree();
         lights
     }
 
-    fn build_tree(&mut self, floor: f64) {
+    fn build_tree(&mut self) {
         let surfaces = self.emitters.iter().map(Emitter::emission);
         let emissions: Vec<Emission> =
             surfaces.chain(self.points.iter().filter_map(Punctual::emission)).collect();
-        self.tree = Tree::build(&emissions, floor);
+        self.tree = Tree::build(&emissions, self.floor);
     }
 
     /// Limits the points on spheres to the parts `cap` gives for them, if any.
-    pub fn limit(&mut self, floor: f64, cap: impl Fn(&Emitter) -> Option<Cap>) {
-        for emitter in &mut self.emitters {
+    pub fn limit(&mut self, cap: impl Fn(&Emitter) -> Option<Cap>) {
+        for emitter in self.emitters.iter_mut().filter(|emitter| emitter.is_closed()) {
             emitter.cap = cap(emitter);
         }
-        self.build_tree(floor);
+        self.build_tree();
     }
 
     /// Whether there is nothing to sample.

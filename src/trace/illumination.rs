@@ -2,9 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
+use super::exposure;
 use super::photons;
 use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
+use super::work::Job;
 use crate::light::{
     Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Receiver, Sight, Straight, Target,
 };
@@ -49,10 +51,11 @@ impl Illumination {
         (!lights.is_empty()).then_some(Self { lights, sight, guide: None, heuristic })
     }
 
-    /// Learns where light comes from through mirrors and glass.
-    pub fn learn<T: Transport>(&mut self, scene: &Baked, transport: &T) {
+    /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass.
+    pub fn learn<T: Transport>(&mut self, job: &Job, transport: &T) {
         if self.heuristic.is_some() {
-            self.guide = photons::guide(scene, transport, &self.lights);
+            exposure::limit_to_exposed(job, transport, &mut self.lights);
+            self.guide = photons::guide(job.scene, transport, &self.lights);
         }
     }
 

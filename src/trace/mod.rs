@@ -5,6 +5,7 @@
 
 mod columns;
 mod curved;
+mod exposure;
 mod fate;
 mod illumination;
 mod march;
@@ -191,8 +192,7 @@ impl Errand for Renderer<'_> {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
-        let illumination = Illumination::of(self.scene);
-        let mut job = Job { scene: self.scene, settings, sampler, illumination };
+        let mut job = Job { scene: self.scene, settings, sampler, illumination: None };
         let wanted = Wanted::new(&run.aovs, run.noise.is_some());
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);
@@ -239,9 +239,11 @@ impl Renderer<'_> {
         wanted: Wanted,
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
-        if let Some(illumination) = &mut job.illumination {
-            illumination.learn(self.scene, transport);
+        let mut illumination = Illumination::of(self.scene);
+        if let Some(illumination) = &mut illumination {
+            illumination.learn(job, transport);
         }
+        job.illumination = illumination;
         self.passes(job, transport, tiles, wanted, started)
     }
 

@@ -1,0 +1,107 @@
+//! Which part of a spherical lamp is exposed.
+//!
+//! A lamp often sticks out of a wall: a room may be lit by the tip of a sphere whose rest lies behind the ceiling. Rays
+//! aimed at the rest are wasted. Paths from the camera tell which part is met at all; light samples are then limited to a
+//! cap around it. Light from beyond the cap is still found as surfaces find it.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::shoot::{Ray, Shot, follow};
+use super::stages::generate::generate;
+use super::stages::scatter::{incidence, scatter};
+use super::transport::{Outcome, Transport};
+use super::work::{Job, Work};
+use crate::geometry::PrimitiveId;
+use crate::light::{Cap, Lights};
+
+/// Paths that look around.
+const PATHS: usize = 4096;
+/// Fewest meetings that tell where a lamp is exposed.
+const FEWEST: usize = 16;
+/// Share of them that counts: a few may see a lamp from behind the wall it sticks in.
+const MOST: f64 = 0.95;
+/// Room around the part that is met, relative to its angle.
+const MARGIN: f64 = 0.15;
+/// Angle of a cap, radians, from which on the whole lamp may as well be sampled.
+const WIDEST: f64 = 1.0;
+
+/// Limits light samples to the exposed parts of spherical lamps.
+pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lights) {
+    if !lights.emitters().iter().any(|emitter| emitter.is_closed()) {
+        return;
+    }
+    let settings = job.settings;
+    let size = (settings.width, settings.height);
+    let pixels = size.0 * size.1;
+    let work = Work { origin: (0, 0), size, first_sample: 0, samples: 1 };
+    let stride = pixels.div_ceil(PATHS).max(1);
+    let met: Vec<Vec<(PrimitiveId, DVec3)>> = (0..pixels)
+        .into_par_iter()
+        .step_by(stride)
+        .map(|pixel| lamps_met(job, transport, &work, pixel as u32))
+        .collect();
+    let mut normals: HashMap<PrimitiveId, Vec<DVec3>> = HashMap::new();
+    for (primitive, normal) in met.into_iter().flatten() {
+        normals.entry(primitive).or_default().push(normal);
+    }
+    lights.limit(|emitter| normals.get(&emitter.primitive).and_then(|normals| cap(normals)));
+}
+
+/// Spherical lamps that the path of a pixel meets, with the normals there.
+fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
+    let scene = job.scene;
+    let (mut path, position, direction) = generate(job, work, pixel);
+    let mut ray = Ray { position, direction, leaves: PrimitiveId::NONE };
+    let mut met = Vec::new();
+    loop {
+        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, |_, _, _, _| {});
+        let Outcome::Landed(landing) = end else { return met };
+        let surface = scene.geometry.surface_point(landing.primitive, landing.position);
+        if scene.materials[surface.surface.material as usize].emits() {
+            met.push((landing.primitive, surface.normal));
+        }
+        let incidence = incidence(&surface, landing.direction, path.media);
+        let Some(bounce) = scatter(job, &mut path, &incidence) else { return met };
+        ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };
+    }
+}
+
+/// A cap around most of `normals`; `None` if they are too few or too far apart.
+fn cap(normals: &[DVec3]) -> Option<Cap> {
+    if normals.len() < FEWEST {
+        return None;
+    }
+    let middle = |normals: &[DVec3]| normals.iter().sum::<DVec3>().try_normalize();
+    // Accurate for the smallest of caps, as acos is not.
+    let angle = |axis: DVec3, normal: DVec3| axis.cross(normal).length().atan2(axis.dot(normal));
+    let first = middle(normals)?;
+    let mut inner = normals.to_vec();
+    inner.sort_by(|a, b| angle(first, *a).total_cmp(&angle(first, *b)));
+    inner.truncate((MOST * normals.len() as f64).ceil() as usize);
+    let axis = middle(&inner)?;
+    let widest = inner.iter().map(|normal| angle(axis, *normal)).fold(0.0, f64::max) * (1.0 + MARGIN);
+    (widest < WIDEST).then(|| Cap::new(axis, widest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cap_holds_most_of_what_was_met_and_little_more() {
+        let normal = |angle: f64| DVec3::new(angle.sin(), angle.cos(), 0.0);
+        let mut met: Vec<DVec3> = (0..40).map(|i| normal(1e-4 * f64::from(i - 20))).collect();
+        let near = cap(&met).unwrap();
+        assert!(met.iter().all(|normal| near.holds(*normal)));
+        met.push(normal(0.5));
+        let cap = cap(&met).unwrap();
+        assert!(met[1..40].iter().all(|normal| cap.holds(*normal)));
+        assert!(!cap.holds(normal(3e-3)));
+        assert_eq!(super::cap(&met[..FEWEST - 1]), None);
+        let all_around: Vec<DVec3> = (0..40).map(|i| normal(0.157 * f64::from(i))).collect();
+        assert_eq!(super::cap(&all_around), None);
+    }
+}
