@@ -14,9 +14,11 @@ mod quality;
 mod rays;
 mod rays_table;
 mod render;
+mod rowwise;
 mod stages;
 mod study;
 mod summary;
+mod table;
 mod trace;
 mod units;
 
