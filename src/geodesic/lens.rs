@@ -42,19 +42,19 @@ use crate::spacetime::ConformallyFlat;
 #[derive(Clone, Debug)]
 pub struct Lens {
     /// Critical impact parameter b_c.
-    critical: f64,
+    pub(super) critical: f64,
     /// Inverse radius of the photon sphere.
     photon_sphere: f64,
     /// h(s) on both sides of the photon sphere.
     through: Chebyshev,
     /// h(s) outside.
-    outside: Chebyshev,
+    pub(super) outside: Chebyshev,
     /// h(s) inside.
-    inside: Chebyshev,
+    pub(super) inside: Chebyshev,
     /// w(s), over the inverse radius of the photon sphere: its inverse is s without cancellation.
     place: Chebyshev,
     /// Gauss–Legendre rules, the number of nodes growing.
-    rules: Vec<Vec<(Lanes, Lanes)>>,
+    pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
     /// What a rule must resolve: −½ ln of the relative error.
     digits: f64,
     /// Relative change of a root that ends its search.
@@ -67,13 +67,13 @@ pub struct Lens {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
     /// Unit vector from the centre.
-    radial: DVec3,
+    pub(super) radial: DVec3,
     /// Inverse isotropic radius; 0 at infinity.
     w: f64,
     /// 1/B.
-    q: f64,
+    pub(super) q: f64,
     /// s.
-    s: f64,
+    pub(super) s: f64,
 }
 
 /// A ray from one place, x, to another, y.
@@ -92,6 +92,8 @@ pub struct Connection {
     pub spread: f64,
     /// |dφ/dα| at x and at y, α the angle between ray and radius at one end and the other place fixed.
     pub swing: [f64; 2],
+    /// Length of the straight line between two places on one side of the photon sphere, in the plane of B.
+    pub(super) line: f64,
 }
 
 /// A ray from one place to another in the plane of its orbit.
@@ -107,6 +109,8 @@ struct Track {
     end: [f64; 2],
     /// R.
     rate: f64,
+    /// D; 0 between places on both sides of the photon sphere.
+    distance: f64,
 }
 
 /// Terms of the polynomials: enough for rounding.
@@ -114,12 +118,18 @@ const TERMS: usize = 48;
 /// Numbers of nodes, multiples of [`LANES`].
 const RULES: [usize; 10] = [4, 8, 12, 16, 24, 32, 48, 64, 96, 128];
 /// Nodes that are worked on together.
-const LANES: usize = 4;
-type Lanes = [f64; LANES];
+pub(super) const LANES: usize = 4;
+pub(super) type Lanes = [f64; LANES];
 /// |s| below which s is found from w: its square loses digits.
 const NEAR_PHOTON_SPHERE: f64 = 0.05;
-/// Angles between places, radians, below which a ray that does not go around is radial.
-const RADIAL: f64 = 1e-9;
+/// Angle, radians, that a radial ray is taken to sweep: far below rounding.
+const RADIAL: f64 = 1e-20;
+/// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
+const AROUND: f64 = 1.0;
+/// Largest |ln(m − 1)|: of a radial ray, and of one that winds until rounding hides it.
+const LARGEST: f64 = 128.0;
+/// Relative rounding of a swept angle.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Most iterations of a root.
 const MOST_ITERATIONS: u32 = 60;
 
@@ -154,7 +164,7 @@ impl Lens {
             place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
             rules: RULES.map(rule).to_vec(),
             digits: -0.5 * tolerance.ln(),
-            enough: tolerance.max(4.0 * f64::EPSILON),
+            enough: tolerance,
         })
     }
 
@@ -170,46 +180,48 @@ impl Lens {
                 let [value, slope] = self.place.at(s);
                 s -= (value - w / self.photon_sphere) / slope;
             }
+            s = s.abs().max(f64::EPSILON).copysign(s);
         }
         Site { radial: x / rho, w, q, s }
     }
 
     /// The ray from `x` to `y` that sweeps g, the angle between them (`winding` 0), 2π − g (1), 2π + g (2), and so on;
-    /// `None` if rounding hides it or if there is none.
+    /// `None` if the places are the same and it need not leave, or if rounding hides it.
     pub fn connect(&self, x: &Site, y: &Site, winding: u32) -> Option<Connection> {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
         let angle = sin.atan2(x.radial.dot(y.radial));
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
-        let swept = if odd { turns + (PI - angle) } else { (turns + angle).max(RADIAL) };
+        let swept = if odd { turns + (PI - angle) } else { turns + angle };
+        let radial = swept < RADIAL;
+        if radial && x.w == y.w {
+            return None;
+        }
+        let (swept, sine) = if radial { (RADIAL, RADIAL) } else { (swept, sin) };
         let track = self.track(x, y, swept)?;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
         let vector = |site: &Site, [cos, sin]: [f64; 2]| {
             (cos * site.radial + sin * axis.cross(site.radial)).normalize()
         };
-        let (direction, arrival) = (vector(x, track.start), vector(y, track.end));
         Some(Connection {
-            direction: if angle < RADIAL && winding == 0 {
-                track.start[0].signum() * x.radial
-            } else {
-                direction
-            },
-            arrival: if angle < RADIAL && winding == 0 { track.end[0].signum() * y.radial } else { arrival },
+            direction: vector(x, track.start),
+            arrival: vector(y, track.end),
             swept,
             b: track.b,
-            spread: spread(x, y, &track),
+            spread: spread(x, y, &track, sine),
             swing: [track.rate / (x.q * track.end[0].abs()), track.rate / (y.q * track.start[0].abs())],
+            line: track.distance / (x.q * y.q),
         })
     }
 
     /// Winding number and [`Connection::spread`] of a ray that leaves `x` in the unit `direction` and arrives at `y`
     /// travelling in the unit direction `arrival`.
     pub fn ray(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
-        let sine = x.radial.cross(direction).length();
-        let b = sine / x.q;
+        let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
+        let b = across.length().max(RADIAL) / x.q;
         let track = if (x.s > 0.0) != (y.s > 0.0) {
-            self.through(x, y, self.critical / b)
+            self.through(x, y, (self.critical - b).max(0.0) / b)
         } else {
             let side = x.s.signum();
             let (near, far) = if y.q > x.q { (y, x) } else { (x, y) };
@@ -219,21 +231,31 @@ impl Lens {
             let gamma = leaving.atan2(cos) - (b * far.q).min(1.0).asin();
             self.beside(near, far, gamma.max(RADIAL)).map(|track| oriented(track, y.q > x.q))
         }?;
-        Some(((track.swept / PI) as u32, spread(x, y, &track)))
+        // g is between 0 and π, and the winding even, if the ray sets out on the short way.
+        let turns = track.swept / (2.0 * PI);
+        let winding = if spin.dot(across) < 0.0 {
+            2.0 * (turns + 0.25).round() - 1.0
+        } else {
+            2.0 * (turns - 0.25).round()
+        };
+        let sine = if track.swept < AROUND { track.swept.sin() } else { spin.length() };
+        Some((winding.max(0.0) as u32, spread(x, y, &track, sine)))
     }
 
     /// The ray from `x` to `y` that sweeps an angle.
     fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
         if (x.s > 0.0) != (y.s > 0.0) {
-            // ln(m − 1), in which φ has a linear and an exponential end.
-            let (low, high) = (-64.0, 64.0);
-            return root((low, high, -swept), self.enough, |t| {
-                let excess = f64::exp(t);
-                let track = self.through(x, y, 1.0 + excess)?;
+            // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
+            let size = |swept: f64| swept + (-(-swept).exp_m1()).ln();
+            let wanted = size(swept);
+            return root((-LARGEST, LARGEST, -wanted), self.enough, |t| {
+                let above = t.exp();
+                let track = self.through(x, y, above)?;
                 // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
                 let slope = track.rate / (track.start[0] * track.end[0]).abs();
-                let slope = -slope * self.critical * excess / (1.0 + excess).powi(2);
-                Some((track, (track.swept - swept) / slope, swept - track.swept))
+                let slope = -slope * self.critical * above / (1.0 + above).powi(2);
+                let shift = (size(track.swept) - wanted) * -(-track.swept).exp_m1() / slope;
+                Some((track, shift, swept - track.swept))
             });
         }
         let reversed = y.q > x.q;
@@ -278,23 +300,32 @@ impl Lens {
         let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
         let m = self.critical / b;
         let (swept, slope) = if m > 1.0 {
-            let (swept, slope) = self.monotone(fit, near.s, far.s, m);
+            // Far away s is 1 to rounding.
+            let sum = (near.s + far.s).abs();
+            let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
+                self.critical * (near.q - far.q) / sum
+            } else {
+                (near.s - far.s).abs()
+            };
+            let (swept, slope) = self.monotone(fit, near.s, far.s, gap, m - 1.0);
             (swept, -slope * m / b * db)
         } else {
             let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
-            let (swept, by_b) = self.turning(fit, start, end, b, side);
+            let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
             let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
             let bend = far.q * (near.q * cos - far.q) / (d * d);
             (swept, at_near * (1.0 + bend) - at_far * bend + by_b * db)
         };
         let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
-        let track = Track { swept, b, start: outwards(leaving), end: outwards(arriving), rate: slope * d };
+        let (start, end) = (outwards(leaving), outwards(arriving));
+        let track = Track { swept, b, start, end, rate: slope * d, distance: d };
         (swept.is_finite() && track.rate > 0.0).then_some(track)
     }
 
-    /// The ray of impact parameter b_c/m, m > 1, between two places on both sides of the photon sphere.
-    fn through(&self, x: &Site, y: &Site, m: f64) -> Option<Track> {
-        let (swept, slope) = self.monotone(&self.through, x.s, y.s, m);
+    /// The ray with m − 1 = `above` > 0 between two places on both sides of the photon sphere.
+    fn through(&self, x: &Site, y: &Site, above: f64) -> Option<Track> {
+        let (swept, slope) = self.monotone(&self.through, x.s, y.s, (x.s - y.s).abs(), above);
+        let m = 1.0 + above;
         let b = self.critical / m;
         let way = if y.s > x.s { 1.0 } else { -1.0 };
         let [start, end] = [x, y].map(|site| {
@@ -302,15 +333,22 @@ impl Lens {
             [way * (1.0 - sin * sin).max(0.0).sqrt(), sin]
         });
         let rate = (start[0] * end[0] * slope * m / b).abs();
-        (m > 1.0 && swept.is_finite() && rate > 0.0).then_some(Track { swept, b, start, end, rate })
+        (above > 0.0 && swept.is_finite() && rate > 0.0).then_some(Track {
+            swept,
+            b,
+            start,
+            end,
+            rate,
+            distance: 0.0,
+        })
     }
 
-    /// φ and dφ/dm of a ray with m > 1, between two places.
-    fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, m: f64) -> (f64, f64) {
-        let u2 = m - 1.0;
-        let u = u2.sqrt();
+    /// φ and dφ/dm of a ray with m − 1 = `above` > 0, between two places that are `gap` apart.
+    fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, gap: f64, above: f64) -> (f64, f64) {
+        let u = above.sqrt();
+        let m = 1.0 + above;
         let (low, high) = (from.min(to), from.max(to));
-        let [swept, slope] = self.integrate(low / u, high / u, |sinh, cosh| {
+        let [swept, slope] = self.integrate(low / u, high / u, gap / u, |sinh, cosh| {
             let s = sinh.map(|sinh| u * sinh);
             let [h, _] = fit.at_each(s);
             std::array::from_fn(|i| {
@@ -319,17 +357,24 @@ impl Lens {
                 [term, term / (cosh[i] * cosh[i] * rest)]
             })
         });
-        (swept, -m * slope / u2)
+        (swept, -m * slope / above)
     }
 
     /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2 atan
-    /// `end` from its turning point, on the side of the photon sphere that `side` says.
-    fn turning(&self, fit: &Chebyshev, start: f64, end: f64, b: f64, side: f64) -> (f64, f64) {
+    /// `end`, `gamma` apart, from its turning point, on the side of the photon sphere that `side` says.
+    fn turning(
+        &self,
+        fit: &Chebyshev,
+        (start, end, gamma): (f64, f64, f64),
+        b: f64,
+        side: f64,
+    ) -> (f64, f64) {
         let m = self.critical / b;
         // Of tan²(θ/2) where B would be b_c: negative.
         let pole = ((b - self.critical) / (b + self.critical)).max(f64::MIN_POSITIVE).sqrt();
         let scale = (1.0 + m).sqrt();
-        let [swept, by_b] = self.integrate(start / pole, end / pole, |sinh, cosh| {
+        let gap = (0.5 * gamma).sin() * ((1.0 + start * start) * (1.0 + end * end)).sqrt();
+        let [swept, by_b] = self.integrate(start / pole, end / pole, gap / pole, |sinh, cosh| {
             let round: Lanes = sinh.map(|sinh| (1.0 + (pole * sinh).powi(2)).sqrt());
             let s: Lanes = std::array::from_fn(|i| side * scale * pole * cosh[i] / round[i]);
             let [h, dh] = fit.at_each(s);
@@ -343,15 +388,16 @@ impl Lens {
     }
 
     /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v that have singularities no
-    /// closer to the real axis than π/2.
+    /// closer to the real axis than π/2. `gap` is `high` − `low`, without its rounding.
     #[inline(always)]
-    fn integrate(&self, low: f64, high: f64, f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES]) -> [f64; 2] {
+    fn integrate(&self, low: f64, high: f64, gap: f64, f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES]) -> [f64; 2] {
         // e^v.
         let [first, last] = [low, high].map(|sinh| {
             let larger = sinh.abs() + (1.0 + sinh * sinh).sqrt();
             if sinh < 0.0 { 1.0 / larger } else { larger }
         });
-        let (middle, half) = (first.sqrt() * last.sqrt(), 0.5 * (last / first).ln());
+        let middle = first.sqrt() * last.sqrt();
+        let half = arsinh(gap / (middle + 1.0 / middle));
         // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3].
         let wanted = self.digits / (0.5 * PI / half.max(1e-3)).asinh();
         let longest = RULES.len() - 1;
@@ -387,10 +433,21 @@ impl Site {
     }
 }
 
-/// [`Connection::spread`] of a track from `x` to `y`.
-fn spread(x: &Site, y: &Site, track: &Track) -> f64 {
+/// [`Connection::spread`] of a track from `x` to `y`, given |sin φ|.
+fn spread(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
     let far = if y.w > 0.0 { y.w * y.w } else { 1.0 };
-    track.b * x.q * x.q * far / (track.swept.sin().abs() * track.rate)
+    track.b * x.q * x.q * far / (sine * track.rate)
+}
+
+/// Inverse hyperbolic sine of a number ≥ 0, to relative rounding and faster than the standard library's.
+fn arsinh(x: f64) -> f64 {
+    if x > 0.05 {
+        return (x + (1.0 + x * x).sqrt()).ln();
+    }
+    // Its Taylor series: the next term is below 1e-17.
+    let square = x * x;
+    let terms = [-63.0 / 2816.0, 35.0 / 1152.0, -5.0 / 112.0, 3.0 / 40.0, -1.0 / 6.0];
+    x + x * terms.iter().fold(0.0, |sum, term| (sum + term) * square)
 }
 
 /// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the
@@ -431,7 +488,8 @@ fn root(
         } else {
             low = at;
         }
-        let is_met = excess.abs() <= enough * track.swept.min(1.0) || shift.abs() <= f64::EPSILON * at.abs();
+        let met = (enough * track.swept.min(1.0)).max(ROUNDING * track.swept);
+        let is_met = excess.abs() <= met || shift.abs() <= f64::EPSILON * at.abs();
         if is_met || high - low <= f64::EPSILON * high.abs() {
             break;
         }
