@@ -53,6 +53,8 @@ pub struct Lens {
     pub(super) inside: Chebyshev,
     /// w(s), over the inverse radius of the photon sphere: its inverse is s without cancellation.
     place: Chebyshev,
+    /// |s| up to which h is analytic, inside and outside.
+    reach: [f64; 2],
     /// Gauss–Legendre rules, the number of nodes growing.
     pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
     /// What a rule must resolve: −½ ln of the relative error.
@@ -153,14 +155,17 @@ impl Lens {
             };
             Chebyshev::fit(TERMS, (low, high), h).trimmed(0.1 * tolerance)
         };
-        let outside = stretch(0.0, 1.0);
+        let (inside, outside) = (stretch(-1.0, 0.0), stretch(0.0, 1.0));
+        // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
+        let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
         Some(Self {
             critical,
             photon_sphere,
             through: stretch(-1.0, 1.0),
             weak: 0.5 * (1.0 - outside.at(1.0)[1]),
             outside,
-            inside: stretch(-1.0, 0.0),
+            inside,
+            reach,
             place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
             rules: RULES.map(rule).to_vec(),
             digits: -0.5 * tolerance.ln(),
@@ -345,19 +350,24 @@ impl Lens {
 
     /// φ and dφ/dm of a ray with m − 1 = `above` > 0, between two places that are `gap` apart.
     fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, gap: f64, above: f64) -> (f64, f64) {
-        let u = above.sqrt();
+        // Where both singularities are far away, a longer unit would cost s its digits.
+        let unit = above.sqrt().min(1.0);
         let m = 1.0 + above;
         let (low, high) = (from.min(to), from.max(to));
-        let [swept, slope] = self.integrate(low / u, high / u, gap / u, |sinh, cosh| {
-            let s = sinh.map(|sinh| u * sinh);
+        // Where the root below is 0, or h ceases to be analytic.
+        let bound = (m + 1.0).sqrt();
+        let beyond = [-self.reach[0].min(bound), self.reach[1].min(bound)].map(|s| s / unit);
+        let [swept, slope] = self.integrate((low / unit, high / unit, gap / unit), beyond, |sinh, cosh| {
+            let s = sinh.map(|sinh| unit * sinh);
             let [h, _] = fit.at_each(s);
             std::array::from_fn(|i| {
-                let rest = m + 1.0 - s[i] * s[i];
-                let term = 2.0 * h[i] / rest.sqrt();
-                [term, term / (cosh[i] * cosh[i] * rest)]
+                let s2 = s[i] * s[i];
+                let below = (above + s2) * (m + 1.0 - s2);
+                let term = 2.0 * h[i] * unit * cosh[i] / below.sqrt();
+                [term, term / below]
             })
         });
-        (swept, -m * slope / above)
+        (swept, -m * slope)
     }
 
     /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2 atan
@@ -374,7 +384,8 @@ impl Lens {
         let pole = ((b - self.critical) / (b + self.critical)).max(f64::MIN_POSITIVE).sqrt();
         let scale = (1.0 + m).sqrt();
         let gap = (0.5 * gamma).sin() * ((1.0 + start * start) * (1.0 + end * end)).sqrt();
-        let [swept, by_b] = self.integrate(start / pole, end / pole, gap / pole, |sinh, cosh| {
+        let range = (start / pole, end / pole, gap / pole);
+        let [swept, by_b] = self.integrate(range, [-f64::INFINITY, f64::INFINITY], |sinh, cosh| {
             let round: Lanes = sinh.map(|sinh| (1.0 + (pole * sinh).powi(2)).sqrt());
             let s: Lanes = std::array::from_fn(|i| side * scale * pole * cosh[i] / round[i]);
             let [h, dh] = fit.at_each(s);
@@ -387,19 +398,28 @@ impl Lens {
         (swept, -by_b / b)
     }
 
-    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v that have singularities no
-    /// closer to the real axis than π/2. `gap` is `high` − `low`, without its rounding.
+    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v whose singularities are where
+    /// sinh v has the values `beyond` or have an imaginary part of at least π/2. `gap` is `high` − `low`, without its
+    /// rounding.
     #[inline(always)]
-    fn integrate(&self, low: f64, high: f64, gap: f64, f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES]) -> [f64; 2] {
-        // e^v.
-        let [first, last] = [low, high].map(|sinh| {
+    fn integrate(
+        &self,
+        (low, high, gap): (f64, f64, f64),
+        beyond: [f64; 2],
+        f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES],
+    ) -> [f64; 2] {
+        let exp_arsinh = |sinh: f64| {
             let larger = sinh.abs() + (1.0 + sinh * sinh).sqrt();
             if sinh < 0.0 { 1.0 / larger } else { larger }
-        });
-        let middle = first.sqrt() * last.sqrt();
+        };
+        let middle = (exp_arsinh(low) * exp_arsinh(high)).sqrt();
         let half = arsinh(gap / (middle + 1.0 / middle));
-        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3].
-        let wanted = self.digits / (0.5 * PI / half.max(1e-3)).asinh();
+        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3]. On the real axis the
+        // nearer one counts.
+        let nearer = (middle / exp_arsinh(beyond[0])).min(exp_arsinh(beyond[1]) / middle);
+        let real = (nearer.ln() / half).max(1.0);
+        let across = (0.5 * PI / half.max(1e-3)).asinh();
+        let wanted = self.digits / across.min((real + (real * real - 1.0).sqrt()).ln()).max(1e-3);
         let longest = RULES.len() - 1;
         let rule = RULES.iter().position(|&nodes| nodes as f64 >= wanted).unwrap_or(longest);
         let mut sums = [0.0; 2];
