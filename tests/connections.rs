@@ -112,40 +112,45 @@ fn there_is_one_ray_of_every_winding_and_it_is_the_same_both_ways() {
         let angle = x.cross(y).length().atan2(x.dot(y));
         for winding in 0..WINDINGS {
             let ray = world.connect(x, y, winding);
-            let name = format!("{x} to {y}, winding {winding}: {ray:?}");
+            let name = || format!("{x} to {y}, winding {winding}: {ray:?}");
             let turns = std::f64::consts::PI * f64::from(winding + winding % 2);
             let swept = if winding % 2 == 1 { turns - angle } else { turns + angle };
-            assert!((ray.swept - swept).abs() < 1e-14 * (1.0 + swept), "{name}");
-            assert!(ray.direction.is_normalized() && ray.arrival.is_normalized(), "{name}");
+            assert!((ray.swept - swept).abs() < 1e-14 * (1.0 + swept), "{}", name());
+            assert!(ray.direction.is_normalized() && ray.arrival.is_normalized(), "{}", name());
             let numbers = [ray.b, ray.spread, ray.swing[0], ray.swing[1]];
-            assert!(numbers.iter().all(|&number| number.is_finite() && number > 0.0), "{name}");
-            let time = world.lens.time(&at_x, &at_y, &ray);
-            assert!(time.is_finite() && time > 0.999 * (x.length() - y.length()).abs(), "{name}: {time}");
+            assert!(numbers.iter().all(|&number| number.is_finite() && number > 0.0), "{}", name());
             // It lies in the plane of the points, and b is that of both directions.
             let spin = [(x, ray.direction), (y, ray.arrival)]
                 .map(|(x, d)| x.cross(d).length() * world.index_squared(x).sqrt());
             // Rounding of a direction counts by n ρ.
             let size = [x, y].map(|x| x.length() * world.index_squared(x).sqrt());
-            assert!((spin[0] - ray.b).abs() < 1e-14 * (size[0] + ray.b), "{name}");
-            assert!((spin[1] - ray.b).abs() < 1e-14 * (size[1] + ray.b), "{name}");
+            assert!((spin[0] - ray.b).abs() < 1e-14 * (size[0] + ray.b), "{}", name());
+            assert!((spin[1] - ray.b).abs() < 1e-14 * (size[1] + ray.b), "{}", name());
 
+            // Of all kinds, but not of all pairs: this takes longer.
+            if i / KINDS % 4 != 0 {
+                continue;
+            }
             let back = world.connect(y, x, winding);
             let close = closeness(x, y);
             let turned = ray.direction.distance(-back.arrival).max(ray.arrival.distance(-back.direction));
+            let time = world.lens.time(&at_x, &at_y, &ray);
+            assert!(time > 0.999 * (x.length() - y.length()).abs(), "{}: {time}", name());
             let late = relative(world.lens.time(&at_y, &at_x, &back), time);
             // Reciprocity: n_x² dΩ_x/dA_y = n_y² dΩ_y/dA_x.
             let [there, again] = [ray.spread * world.index_squared(x), back.spread * world.index_squared(y)];
             let reciprocity = relative(there, again) / amplification(&ray);
-            let (found, spread) =
-                world.lens.ray(&at_x, ray.direction, &at_y, ray.arrival).unwrap_or_else(|| panic!("{name}"));
-            let sure = amplification(&ray) < 1e10 && close < 1e6;
-            assert!(found == winding || !sure, "{name}: {found}");
+            let (found, spread) = world
+                .lens
+                .ray(&at_x, ray.direction, &at_y, ray.arrival)
+                .unwrap_or_else(|| panic!("{}", name()));
+            assert_eq!(found, winding, "{}", name());
             let known = relative(spread, ray.spread) / amplification(&ray);
             let errors = [turned / close, late / close, reciprocity / close, known / close];
             for (worst, error) in worst.iter_mut().zip(errors) {
                 *worst = worst.max(error);
             }
-            assert!(errors.iter().all(|&error| error < 1e-9), "{name}: {errors:?}");
+            assert!(errors.iter().all(|&error| error < 1e-9), "{}: {errors:?}", name());
         }
     }
     println!(
@@ -192,8 +197,10 @@ fn a_coarse_lens_is_as_good_as_it_says() {
             let (exact, found) = (fine.connect(x, y, winding), coarse.connect(x, y, winding));
             let turned = exact.direction.distance(found.direction);
             let spread = relative(found.spread, exact.spread) / amplification(&exact);
-            let name = format!("{x} to {y}, winding {winding}: {turned:e} {spread:e}, {exact:?} {found:?}");
-            assert!(turned < 1e-5 && spread < 1e-5, "{name}");
+            assert!(
+                turned < 1e-5 && spread < 1e-5,
+                "{x} to {y}, winding {winding}: {turned:e} {spread:e}, {exact:?} {found:?}"
+            );
             worst = [worst[0].max(turned), worst[1].max(spread)];
         }
     }
@@ -228,13 +235,13 @@ fn points_that_are_close_are_joined_by_short_lines() {
     let mut random = Random::new(5);
     for _ in 0..10_000 {
         let (x, apart) = (random.log_between(0.3, 1e6) * random.direction(), random.log_between(1e-9, 1e-5));
-        // Beside the photon sphere B does not tell radii apart.
-        if (x.length() - world.hole.photon_sphere()).abs() < 0.01 {
+        // Beside the photon sphere B hardly tells radii apart.
+        if (x.length() - world.hole.photon_sphere()).abs() < 0.1 {
             continue;
         }
         let y = x + apart * x.length() * random.direction();
         let (ray, distance) = (world.connect(x, y, 0), x.distance(y));
-        let allowed = 1e-14 / apart + 100.0 * apart;
+        let allowed = 1e-13 / apart + 100.0 * apart;
         assert!(ray.direction.distance((y - x) / distance) < allowed, "{x} {y} {ray:?}");
         assert!((ray.spread * distance * distance - 1.0).abs() < allowed, "{x} {y} {ray:?}");
         let time = world.lens.time(&world.site(x), &world.site(y), &ray);

@@ -29,7 +29,7 @@
 //!
 //! with R = φ′(γ) D on one side, D = q_x q_y times the length of the straight line; in flat space this is 1/distance².
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::DVec3;
 
@@ -124,6 +124,9 @@ pub(super) const LANES: usize = 4;
 pub(super) type Lanes = [f64; LANES];
 /// |s| below which s is found from w: its square loses digits.
 const NEAR_PHOTON_SPHERE: f64 = 0.05;
+/// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
+/// which is largest there, no longer tells them apart.
+const ON_PHOTON_SPHERE: f64 = 5e-6;
 /// Angle, radians, that a radial ray is taken to sweep: far below rounding.
 const RADIAL: f64 = 1e-20;
 /// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
@@ -148,20 +151,21 @@ impl Lens {
             let is_lower = |w: f64| critical * w / medium.index_squared(w).sqrt() < 1.0 - s * s;
             bisect(low, high, |w| is_lower(w) == (s > 0.0))
         };
-        let stretch = |low: f64, high: f64| {
-            let h = |s: f64| {
-                let w = place(s);
-                s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
-            };
-            Chebyshev::fit(TERMS, (low, high), h).trimmed(0.1 * tolerance)
+        // Next to s = 0, where its quotient is 0/0, h is known from afar.
+        let whole = Chebyshev::fit(TERMS, (-1.0, 1.0), |s| {
+            let w = place(s);
+            s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
+        });
+        let part = |low: f64, high: f64| {
+            Chebyshev::fit(TERMS, (low, high), |s| whole.at(s)[0]).trimmed(0.1 * tolerance)
         };
-        let (inside, outside) = (stretch(-1.0, 0.0), stretch(0.0, 1.0));
+        let (inside, outside) = (part(-1.0, 0.0), part(0.0, 1.0));
         // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
         let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
         Some(Self {
             critical,
             photon_sphere,
-            through: stretch(-1.0, 1.0),
+            through: whole.trimmed(0.1 * tolerance),
             weak: 0.5 * (1.0 - outside.at(1.0)[1]),
             outside,
             inside,
@@ -207,7 +211,9 @@ impl Lens {
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
         let vector = |site: &Site, [cos, sin]: [f64; 2]| {
-            (cos * site.radial + sin * axis.cross(site.radial)).normalize()
+            // The axis is only as good as the angle between the places is large.
+            let along = axis.cross(site.radial).normalize();
+            (cos * site.radial + sin * along).normalize()
         };
         Some(Connection {
             direction: vector(x, track.start),
@@ -249,6 +255,9 @@ impl Lens {
 
     /// The ray from `x` to `y` that sweeps an angle.
     fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
+        if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE {
+            return Some(self.circling(x, y, swept));
+        }
         if (x.s > 0.0) != (y.s > 0.0) {
             // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
             let size = |swept: f64| swept + (-(-swept).exp_m1()).ln();
@@ -333,9 +342,10 @@ impl Lens {
         let m = 1.0 + above;
         let b = self.critical / m;
         let way = if y.s > x.s { 1.0 } else { -1.0 };
+        // 1 − (b/B)², without cancellation.
         let [start, end] = [x, y].map(|site| {
-            let sin = b * site.q;
-            [way * (1.0 - sin * sin).max(0.0).sqrt(), sin]
+            let s2 = site.s * site.s;
+            [way * ((above + s2) * (m + 1.0 - s2)).sqrt() / m, b * site.q]
         });
         let rate = (start[0] * end[0] * slope * m / b).abs();
         (above > 0.0 && swept.is_finite() && rate > 0.0).then_some(Track {
@@ -346,6 +356,24 @@ impl Lens {
             rate,
             distance: 0.0,
         })
+    }
+
+    /// The ray between two places next to the photon sphere that sweeps an angle. There s is a sum of e^λφ and e^−λφ.
+    fn circling(&self, x: &Site, y: &Site, swept: f64) -> Track {
+        let growth = FRAC_1_SQRT_2 / self.outside.at(0.0)[0];
+        let (sinh, cosh) = ((growth * swept).sinh(), (growth * swept).cosh());
+        // ds/d(λφ), whose square is m − 1 + s².
+        let rates = [(y.s - x.s * cosh) / sinh, (y.s * cosh - x.s) / sinh];
+        let above = rates[0] * rates[0] - x.s * x.s;
+        let m = 1.0 + above;
+        let b = self.critical / m;
+        let vector = |site: &Site, rate: f64| {
+            let cos = (rate * (m + 1.0 - site.s * site.s).sqrt() / m).clamp(-1.0, 1.0);
+            [cos, (1.0 - cos * cos).sqrt()]
+        };
+        let (start, end) = (vector(x, rates[0]), vector(y, rates[1]));
+        let distance = x.q * (end[0] - start[0]).abs();
+        Track { swept, b, start, end, rate: x.q * sinh / growth, distance }
     }
 
     /// φ and dφ/dm of a ray with m − 1 = `above` > 0, between two places that are `gap` apart.
@@ -533,4 +561,63 @@ fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spacetime::Schwarzschild;
+
+    fn lens() -> (Schwarzschild, Lens) {
+        let hole = Schwarzschild::new(1.0);
+        (hole, Lens::new(&hole, 1e-15).unwrap())
+    }
+
+    /// The unit vector at an angle in a plane.
+    fn at(angle: f64) -> DVec3 {
+        DVec3::new(angle.cos(), angle.sin(), 0.0)
+    }
+
+    #[test]
+    fn light_from_infinity_is_deflected_as_einstein_and_the_next_order_say() {
+        let (hole, lens) = lens();
+        for bend in [1e-2, 1e-3, 1e-4] {
+            // Far behind the hole, swept π + bend.
+            let (x, y) = (Site::infinity(at(0.0)), lens.site(&hole, 1e9 * at(PI + bend)));
+            let ray = lens.connect(&x, &y, 1).unwrap();
+            // bend = 2 r_s/b + 15π/16 (r_s/b)², less the angle b/ρ that is left.
+            let expected = 2.0 / ray.b + 15.0 * PI / 16.0 / (ray.b * ray.b) - ray.b / 1e9;
+            assert!((expected / bend - 1.0).abs() < 3.0 * bend * bend + 1e-8, "{bend}: {expected}");
+            assert!(ray.direction.distance(-at(0.0)) < 1e-15 && ray.arrival.distance(at(PI + bend)) < 1e-4);
+        }
+    }
+
+    #[test]
+    fn the_photon_sphere_joins_its_points_by_circles() {
+        let (hole, lens) = lens();
+        let rho = hole.photon_sphere();
+        for angle in [0.1, 1.0, 3.0] {
+            let [x, y] = [0.0, angle].map(|angle| lens.site(&hole, rho * at(angle)));
+            for winding in 0..3 {
+                let ray = lens.connect(&x, &y, winding).unwrap();
+                assert!((ray.b / lens.critical - 1.0).abs() < 1e-14, "{ray:?}");
+                let way = if winding == 1 { -1.0 } else { 1.0 };
+                assert!(ray.direction.distance(way * at(0.5 * PI)) < 1e-6, "{ray:?}");
+                // Rays beside it part like sin φ across its plane, like sinh φ in it.
+                let exact = 1.0 / (rho * rho * (ray.swept.sin() * ray.swept.sinh()).abs());
+                assert!((ray.spread / exact - 1.0).abs() < 1e-12, "{ray:?}, exactly {exact}");
+                let time = lens.time(&x, &y, &ray);
+                assert!((time / (ray.b * ray.swept) - 1.0).abs() < 1e-12, "{time}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_place_is_joined_to_itself_only_around_the_hole() {
+        let (hole, lens) = lens();
+        let x = lens.site(&hole, DVec3::new(1.0, 2.0, -3.0));
+        assert_eq!(lens.connect(&x, &x, 0), None);
+        let ring = lens.connect(&x, &x, 1).unwrap();
+        assert_eq!((ring.swept, ring.spread), (2.0 * PI, f64::INFINITY));
+    }
 }

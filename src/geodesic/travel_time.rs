@@ -16,7 +16,7 @@ use super::lens::{Connection, LANES, Lanes, Lens, Site};
 use crate::math::chebyshev::Chebyshev;
 
 /// Longest panel in v, to each of which a rule of 16 nodes is applied.
-const PANEL: f64 = 1.0;
+const PANEL: f64 = 1.5;
 /// Index of this rule.
 const RULE: usize = 3;
 /// Least δ: what is nearer adds δ² to the integral.
@@ -50,20 +50,13 @@ impl Lens {
         // 1 − m.
         let above = ((b - self.critical) / b).max(f64::MIN_POSITIVE);
         let nearest = 2.0 * (0.5 * above).sqrt().asin();
-        let rest = self.over_panels(
-            (middle - half, middle + half),
-            nearest,
-            |y| {
-                let cosh = y.cosh();
-                let s = side * ((above + 2.0 * (0.5 * y).sinh().powi(2)) / cosh).sqrt();
-                (s, move |h: f64| {
-                    let tanh2 = y.tanh().powi(2);
-                    let flat = if side < 0.0 { 0.0 } else { 1.0 };
-                    b * cosh * (side * (h - flat * s) / s * tanh2 - flat / (cosh * cosh))
-                })
-            },
-            fit,
-        );
+        let range = (middle - half, middle + half);
+        let rest = self.over_panels(fit, range, nearest, |Hyperbolic { sinh, cosh, excess }| {
+            let s = side * ((above + excess) / cosh).sqrt();
+            let flat = if side < 0.0 { 0.0 } else { 1.0 };
+            let tanh2 = (sinh / cosh).powi(2);
+            (s, move |h| b * cosh * (side * (h - flat * s) / s * tanh2 - flat / (cosh * cosh)))
+        });
         if side < 0.0 { rest } else { line + rest }
     }
 
@@ -74,50 +67,63 @@ impl Lens {
             if low >= high {
                 return 0.0;
             }
-            let rest = self.over_panels(
-                (low, high),
-                nearest,
-                |z| {
-                    let (sinh, cosh, s) = (z.sinh(), z.cosh(), z.tanh());
-                    // 1 − (b/B)².
-                    let cosh2 = cosh * cosh;
-                    let clear = (1.0 - share + sinh * sinh) / cosh2 * (1.0 + share / cosh2);
-                    (s, move |h: f64| 2.0 * self.critical * cosh2 * (h * clear.sqrt() - flat * s))
-                },
-                fit,
-            );
+            let rest = self.over_panels(fit, (low, high), nearest, |Hyperbolic { sinh, cosh, .. }| {
+                let (s, cosh2) = (sinh / cosh, cosh * cosh);
+                // 1 − (b/B)².
+                let clear = (1.0 - share + sinh * sinh) / cosh2 * (1.0 + share / cosh2);
+                (s, move |h| 2.0 * self.critical * cosh2 * (h * clear.sqrt() - flat * s))
+            });
             // B = b_c cosh² z.
             rest + flat * self.critical * (high - low).sinh() * (high + low).sinh()
         };
         part(low, high.min(0.0), &self.inside, 0.0) + part(low.max(0.0), high, &self.outside, 1.0)
     }
 
-    /// The integral between two bounds of a function of h(s): `f` gives s and the function. Its singularities next to the
-    /// real axis are at ±i `nearest`.
+    /// The integral between two bounds of a function of h(s), whose singularities next to the real axis are at ±i `nearest`:
+    /// `f` gives s and the function of h.
     fn over_panels<F: Fn(f64) -> f64>(
         &self,
-        bounds: (f64, f64),
-        nearest: f64,
-        f: impl Fn(f64) -> (f64, F),
         fit: &Chebyshev,
+        (low, high): (f64, f64),
+        nearest: f64,
+        f: impl Fn(Hyperbolic) -> (f64, F),
     ) -> f64 {
         let delta = nearest.max(NEAREST);
-        let [first, last] = [bounds.0, bounds.1].map(|bound| (bound / delta).asinh());
+        let [first, last] = [low, high].map(|bound| (bound / delta).asinh());
         let panels = ((last - first) / PANEL).ceil().max(1.0);
         let half = 0.5 * (last - first) / panels;
         let mut sum = 0.0;
         for panel in 0..panels as usize {
             let middle = first + (2 * panel + 1) as f64 * half;
             for (nodes, weights) in &self.rules[RULE] {
-                let v: Lanes = nodes.map(|node| middle + half * node);
-                let at = v.map(|v| f(delta * v.sinh()));
+                let v = nodes.map(|node| Hyperbolic::of(middle + half * node));
+                let at = v.map(|v| f(Hyperbolic::of(delta * v.sinh)));
                 let s: Lanes = std::array::from_fn(|lane| at[lane].0);
                 let [h, _] = fit.at_each(s);
                 for lane in 0..LANES {
-                    sum += weights[lane] * at[lane].1(h[lane]) * delta * v[lane].cosh();
+                    sum += weights[lane] * delta * v[lane].cosh * at[lane].1(h[lane]);
                 }
             }
         }
         half * sum
+    }
+}
+
+/// Hyperbolic functions of a number.
+#[derive(Clone, Copy)]
+struct Hyperbolic {
+    sinh: f64,
+    cosh: f64,
+    /// cosh − 1.
+    excess: f64,
+}
+
+impl Hyperbolic {
+    /// All from one exponential, without cancellation.
+    fn of(x: f64) -> Self {
+        let grown = x.abs().exp_m1();
+        let shrunk = grown / (1.0 + grown);
+        let excess = 0.5 * grown * shrunk;
+        Self { sinh: (0.5 * (grown + shrunk)).copysign(x), cosh: 1.0 + excess, excess }
     }
 }
