@@ -128,7 +128,7 @@ fn there_is_one_ray_of_every_winding_and_it_is_the_same_both_ways() {
             assert!((spin[1] - ray.b).abs() < 1e-14 * (size[1] + ray.b), "{}", name());
 
             // Of all kinds, but not of all pairs: this takes longer.
-            if i / KINDS % 4 != 0 {
+            if !(i / KINDS).is_multiple_of(4) {
                 continue;
             }
             let back = world.connect(y, x, winding);
