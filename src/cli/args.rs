@@ -39,6 +39,8 @@ pub(super) enum Command {
     Study(StudyArgs),
     /// Follow the rays of a CSV file through empty space around a hole
     Trace(TraceArgs),
+    /// Find all rays that join pairs of points around a hole
+    Connect(ConnectArgs),
 }
 
 /// Arguments of `render`.
@@ -218,6 +220,27 @@ impl TraceArgs {
             precision: self.precision,
         }
     }
+}
+
+/// Arguments of `connect`.
+#[derive(Debug, Args)]
+pub(super) struct ConnectArgs {
+    /// CSV file with a pair of points per row
+    #[arg(value_name = "PAIRS.csv")]
+    pub(super) pairs: PathBuf,
+    /// Highest order: a ray of order 0 takes the short way, of order 1 the other way round, of order 2 the short way once
+    /// around the hole, and so on
+    #[arg(long, value_name = "N", value_parser = parse::winding, default_value = "1", allow_hyphen_values = true)]
+    pub(super) max_winding: u32,
+    /// CSV file to write [default: standard output]
+    #[arg(short, long, value_name = "OUT.csv")]
+    pub(super) output: Option<PathBuf>,
+    /// Worker threads; 0 means one per core
+    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
+    pub(super) threads: usize,
+    /// Exit with 1 if rounding hides a ray
+    #[arg(long)]
+    pub(super) strict: bool,
 }
 
 /// Which scene, and what is changed in it.

@@ -2,6 +2,7 @@
 
 mod args;
 mod compare;
+mod connect;
 mod cost;
 mod failure;
 mod info;
@@ -14,9 +15,11 @@ mod quality;
 mod rays;
 mod rays_table;
 mod render;
+mod rowwise;
 mod stages;
 mod study;
 mod summary;
+mod table;
 mod trace;
 mod units;
 
@@ -57,6 +60,7 @@ pub fn main() -> ExitCode {
         Command::Rays(args) => rays::run(args),
         Command::Study(args) => study::run(args),
         Command::Trace(args) => trace::run(args),
+        Command::Connect(args) => connect::run(args),
     };
     match outcome {
         Ok(Outcome::Good) => ExitCode::SUCCESS,

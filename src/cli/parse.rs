@@ -11,6 +11,9 @@ use std::time::Duration;
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
 
+/// Highest winding order.
+const MAX_WINDING: u64 = 8;
+
 /// Most pixels of a picture whose rays are all kept in memory: a few GB.
 const MAX_KEPT: usize = 1 << 24;
 
@@ -43,6 +46,11 @@ pub(super) fn threads(text: &str) -> Result<usize, String> {
 /// A number of rays in flight per worker.
 pub(super) fn batch(text: &str) -> Result<usize, String> {
     whole(text, 1..=1 << 20).map(|number| number as usize)
+}
+
+/// A winding order: rays of higher ones differ by less than rounding.
+pub(super) fn winding(text: &str) -> Result<u32, String> {
+    whole(text, 0..=MAX_WINDING).map(|number| number as u32)
 }
 
 /// A finite number.

@@ -12,7 +12,8 @@ use super::args::{StudyArgs, distinct};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::progress::Bar;
-use super::rays_table::{Columns, Table, line};
+use super::rays_table::Columns;
+use super::table::{Table, line};
 use super::units::plural;
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;
@@ -88,8 +89,9 @@ fn free(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure>
     let settings = ends::grid(&distinct(steppers), &distinct(&args.precisions), &distinct(tolerances));
     some(&settings)?;
 
-    let mut table = Table::open(rays, args.spacetime)?;
-    let ends = table.columns.places(ENDS)?;
+    let mut table = Table::open(rays, "ray")?;
+    let columns = Columns::find(&table.header, args.spacetime)?;
+    let ends = columns.header.places(ENDS)?;
     let (mut cases, mut lines) = (Vec::new(), Vec::new());
     loop {
         let rows = table.chunk()?;
@@ -97,7 +99,7 @@ fn free(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure>
             break;
         }
         let read: Result<Vec<Case>, Failure> =
-            rows.par_iter().map(|row| case(&table.columns, ends.as_ref(), row)).collect();
+            rows.par_iter().map(|row| case(&columns, ends.as_ref(), row)).collect();
         cases.extend(read?);
         lines.extend(rows.iter().map(line));
     }
@@ -110,8 +112,7 @@ fn free(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure>
     let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
     let measured = ends::sweep(&cases, &plan, &progress);
     bar.finish();
-    let measurements =
-        measured.map_err(|refusal| table.columns.refuse(lines[refusal.index], &refusal.fault))?;
+    let measurements = measured.map_err(|refusal| columns.refuse(lines[refusal.index], &refusal.fault))?;
     files.write(|out| report::ends::write_csv(&measurements, out), &report::ends::figure(&measurements))?;
     print(&report::ends::table(&measurements))?;
     say(format!(
@@ -133,7 +134,7 @@ fn case(columns: &Columns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord)
                 Exact::followed(spacetime, &ray).map_err(|fault| columns.refuse(line(row), &fault))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());
-                return Err(columns.at(line(row), "the ray", &cause).help("take the row out"));
+                return Err(columns.header.at(line(row), "the ray", &cause).help("take the row out"));
             }
             exact
         }
@@ -147,6 +148,7 @@ fn given(columns: &Columns, places: &[usize; ENDS.len()], row: &ByteRecord) -> R
     let status = Status::ALL.into_iter().find(|status| status.name() == text && !status.is_lost());
     let status = status.ok_or_else(|| {
         columns
+            .header
             .at(line(row), "column `status`", &format!("`{text}` is no end"))
             .help("give escaped, captured or missed")
     })?;
@@ -155,16 +157,17 @@ fn given(columns: &Columns, places: &[usize; ENDS.len()], row: &ByteRecord) -> R
     }
     let mut numbers = [0.0; ENDS.len()];
     for index in 1..ENDS.len() {
-        numbers[index] = columns.number(row, ENDS[index], places[index])?;
+        numbers[index] = columns.header.number(row, ENDS[index], places[index])?;
     }
     let [_, x, y, z, dx, dy, dz, sens] = numbers;
     let (position, direction) = (DVec3::new(x, y, z), DVec3::new(dx, dy, dz));
     if sens <= 0.0 {
         let cause = format!("a sensitivity of {sens}");
-        return Err(columns.at(line(row), "column `sens`", &cause).help("give a number above 0"));
+        return Err(columns.header.at(line(row), "column `sens`", &cause).help("give a number above 0"));
     }
     let direction = direction.try_normalize().ok_or_else(|| {
         columns
+            .header
             .at(line(row), "columns `dx1`, `dy1`, `dz1`", "no direction")
             .help("give a direction of length 1")
     })?;

@@ -1,22 +1,19 @@
 //! `warpfront trace`.
 
 use std::f64::consts::TAU;
-use std::io::{self, Write};
+use std::io::Write;
 use std::time::Instant;
 
 use csv::ByteRecord;
-use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::args::TraceArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outputs::same_file;
-use super::progress::Bar;
-use super::rays_table::{Columns, Table, line};
+use super::rays_table::Columns;
+use super::rowwise::{self, RowWise, Setup};
+use super::table::{Table, line};
 use super::units::{decimal, plural};
 use super::{Outcome, say};
-use crate::film::atomic::Output;
 use crate::scene::flag_name;
 use crate::study::free::{self, Accuracy, Crossing, Exit, Status};
 
@@ -33,120 +30,60 @@ pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
     let accuracy = args.accuracy();
     accuracy.check().map_err(|fault| Failure::new(fault.cause).help(fault.remedy))?;
     let started = Instant::now();
-    let mut table = Table::open(&args.rays, args.spacetime)?;
-    let job = Job { accuracy, pool: ThreadPoolBuilder::new().num_threads(args.threads).build().ok() };
-    let (tally, wrote) = match &args.output {
-        Some(path) => {
-            if same_file(path, &args.rays) {
-                let message = format!("`{}` is the table of rays itself", path.display());
-                return Err(Failure::new(message).help("name another file for the results"));
-            }
-            (job.write(&mut table, Output::create(path)?)?, format!("; wrote {}", path.display()))
-        }
-        None => match job.stream(&mut table, io::stdout().lock()) {
-            Ok(tally) => (tally?, String::new()),
-            // A reader that has gone away, as `head` does, is no failure.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(Outcome::Good),
-            Err(error) => return Err(Failure::new(format!("cannot write to standard output: {error}"))),
-        },
-    };
-    say(format!("{}{wrote}", tally.line(started.elapsed().as_secs_f64())));
-    Ok(if args.strict && tally.lost() > 0 { Outcome::Lost } else { Outcome::Good })
+    let mut table = Table::open(&args.rays, "ray")?;
+    let columns = Columns::find(&table.header, args.spacetime)?;
+    let mut job = Job { columns, accuracy, tally: Tally::default() };
+    let setup = Setup { input: (&args.rays, "rays"), output: args.output.as_deref(), threads: args.threads };
+    let Some(wrote) = setup.run(&mut table, &mut job)? else { return Ok(Outcome::Good) };
+    say(format!("{}{wrote}", job.tally.line(started.elapsed().as_secs_f64())));
+    Ok(if args.strict && job.tally.lost() > 0 { Outcome::Lost } else { Outcome::Good })
 }
 
-/// How rays are followed.
+/// How rays are followed, and how they have ended so far.
 struct Job {
+    columns: Columns,
     accuracy: Accuracy,
-    /// Without one the command shares rayon's.
-    pool: Option<ThreadPool>,
+    tally: Tally,
 }
 
-impl Job {
-    /// Writes a file, whole or not at all.
-    fn write(&self, table: &mut Table, output: Output) -> Result<Tally, Failure> {
-        let mut tally = Ok(Tally::default());
-        let committed = output.commit(|out| {
-            tally = self.stream(table, out)?;
-            if tally.is_err() { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }
-        });
-        let tally = tally?;
-        committed?;
-        Ok(tally)
-    }
+impl RowWise for Job {
+    type Task = ByteRecord;
+    type Answer = Exit;
 
-    /// Follows all rays, a chunk at a time, and writes their ends in the order of the rays. The outer error is one of
-    /// `out`, the inner one of the table.
-    fn stream(&self, table: &mut Table, mut out: impl Write) -> io::Result<Result<Tally, Failure>> {
-        let bar = Bar::new("bytes");
-        let tally = self.chunks(table, &mut out, &bar);
-        bar.finish();
-        tally
-    }
-
-    fn chunks(
-        &self,
-        table: &mut Table,
-        out: &mut impl Write,
-        bar: &Bar,
-    ) -> io::Result<Result<Tally, Failure>> {
+    fn settings(&self) -> String {
         let Accuracy { stepper, tolerance, precision } = self.accuracy;
-        writeln!(
-            out,
-            "# warpfront {} trace --spacetime {} --stepper {} --tolerance {tolerance:e} --precision {}",
-            env!("CARGO_PKG_VERSION"),
-            flag_name(table.columns.spacetime),
+        format!(
+            "trace --spacetime {} --stepper {} --tolerance {tolerance:e} --precision {}",
+            flag_name(self.columns.spacetime),
             flag_name(stepper),
             flag_name(precision),
-        )?;
-        let mut writer = csv::Writer::from_writer(out);
-        writer.write_record(table.columns.names().chain(RESULTS)).map_err(plain)?;
-        let mut tally = Tally::default();
-        loop {
-            let rows = match table.chunk() {
-                Ok(rows) if rows.is_empty() => break,
-                Ok(rows) => rows,
-                Err(failure) => return Ok(Err(failure)),
-            };
-            let columns = &table.columns;
-            let end = |row| follow(columns, row, &self.accuracy).map(|exit| (exit.status, results(&exit)));
-            let all = || rows.par_iter().map(end).collect();
-            let ends: Vec<Result<_, Failure>> = match &self.pool {
-                Some(pool) => pool.install(all),
-                None => all(),
-            };
-            for (row, end) in rows.iter().zip(ends) {
-                let (status, results) = match end {
-                    Ok(end) => end,
-                    Err(failure) => return Ok(Err(failure)),
-                };
-                columns.inputs(row).try_for_each(|cell| writer.write_field(cell)).map_err(plain)?;
-                writer.write_record(results).map_err(plain)?;
-                tally.count(status);
-            }
-            bar.update(table.progress());
-        }
-        writer.flush()?;
-        Ok(Ok(tally))
+        )
     }
-}
 
-/// The error of the file, of its own kind and not of "other", as which `From` would have it.
-fn plain(error: csv::Error) -> io::Error {
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        other => io::Error::other(format!("{other:?}")),
+    fn names(&self) -> Vec<&'static str> {
+        self.columns.names().chain(RESULTS).collect()
     }
-}
 
-/// Follows the ray of a row.
-fn follow(columns: &Columns, row: &ByteRecord, accuracy: &Accuracy) -> Result<Exit, Failure> {
-    let (spacetime, ray) = columns.ray(row)?;
-    free::trace(spacetime, &ray, accuracy).map_err(|fault| columns.refuse(line(row), &fault))
+    fn read(&mut self, row: ByteRecord) -> Result<Option<ByteRecord>, Failure> {
+        Ok(Some(row))
+    }
+
+    fn answer(&self, row: &ByteRecord) -> Result<Exit, Failure> {
+        let (spacetime, ray) = self.columns.ray(row)?;
+        free::trace(spacetime, &ray, &self.accuracy).map_err(|fault| self.columns.refuse(line(row), &fault))
+    }
+
+    fn write(&mut self, row: &ByteRecord, exit: &Exit, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
+        self.columns.inputs(row).try_for_each(|cell| out.write_field(cell))?;
+        out.write_record(results(exit))?;
+        self.tally.count(exit.status);
+        Ok(())
+    }
 }
 
 /// The cells of [`RESULTS`]; numbers read back exactly.
 fn results(exit: &Exit) -> [String; RESULTS.len()] {
-    let cell = |number: Option<f64>| number.map_or_else(String::new, |number| format!("{number:?}"));
+    let cell = |number: Option<f64>| number.map_or_else(String::new, rowwise::cell);
     let crossing = exit.crossing.as_ref();
     let at = |value: fn(&Crossing) -> f64| cell(crossing.map(value));
     [

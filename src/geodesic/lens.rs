@@ -29,7 +29,7 @@
 //!
 //! with R = φ′(γ) D on one side, D = q_x q_y times the length of the straight line; in flat space this is 1/distance².
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::DVec3;
 
@@ -42,19 +42,23 @@ use crate::spacetime::ConformallyFlat;
 #[derive(Clone, Debug)]
 pub struct Lens {
     /// Critical impact parameter b_c.
-    critical: f64,
+    pub(super) critical: f64,
     /// Inverse radius of the photon sphere.
     photon_sphere: f64,
     /// h(s) on both sides of the photon sphere.
     through: Chebyshev,
     /// h(s) outside.
-    outside: Chebyshev,
+    pub(super) outside: Chebyshev,
     /// h(s) inside.
-    inside: Chebyshev,
+    pub(super) inside: Chebyshev,
     /// w(s), over the inverse radius of the photon sphere: its inverse is s without cancellation.
     place: Chebyshev,
-    /// Rules of integration, the number of nodes growing.
-    rules: Vec<Rule>,
+    /// |s| up to which h is analytic, inside and outside.
+    reach: [f64; 2],
+    /// Gauss–Legendre rules, the number of nodes growing.
+    pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
+    /// What a rule must resolve: −½ ln of the relative error.
+    digits: f64,
     /// Relative change of a root that ends its search.
     enough: f64,
     /// (κ − 1) B/b_c far away.
@@ -65,13 +69,13 @@ pub struct Lens {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Site {
     /// Unit vector from the centre.
-    radial: DVec3,
+    pub(super) radial: DVec3,
     /// Inverse isotropic radius; 0 at infinity.
     w: f64,
     /// 1/B.
-    q: f64,
+    pub(super) q: f64,
     /// s.
-    s: f64,
+    pub(super) s: f64,
 }
 
 /// A ray from one place, x, to another, y.
@@ -90,6 +94,8 @@ pub struct Connection {
     pub spread: f64,
     /// |dφ/dα| at x and at y, α the angle between ray and radius at one end and the other place fixed.
     pub swing: [f64; 2],
+    /// Length of the straight line between two places on one side of the photon sphere, in the plane of B.
+    pub(super) line: f64,
 }
 
 /// A ray from one place to another in the plane of its orbit.
@@ -105,15 +111,8 @@ struct Track {
     end: [f64; 2],
     /// R.
     rate: f64,
-}
-
-/// A Gauss–Legendre rule for functions whose singularities are π/2 or farther from the real axis.
-#[derive(Clone, Debug)]
-struct Rule {
-    /// Half the longest interval on which it is good enough.
-    reach: f64,
-    /// Nodes on [−1, 1] and weights, in groups.
-    nodes: Vec<(Lanes, Lanes)>,
+    /// D; 0 between places on both sides of the photon sphere.
+    distance: f64,
 }
 
 /// Terms of the polynomials: enough for rounding.
@@ -121,12 +120,21 @@ const TERMS: usize = 48;
 /// Numbers of nodes, multiples of [`LANES`].
 const RULES: [usize; 10] = [4, 8, 12, 16, 24, 32, 48, 64, 96, 128];
 /// Nodes that are worked on together.
-const LANES: usize = 4;
-type Lanes = [f64; LANES];
+pub(super) const LANES: usize = 4;
+pub(super) type Lanes = [f64; LANES];
 /// |s| below which s is found from w: its square loses digits.
 const NEAR_PHOTON_SPHERE: f64 = 0.05;
-/// Angles between places, radians, below which a ray that does not go around is radial.
-const RADIAL: f64 = 1e-9;
+/// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
+/// which is largest there, no longer tells them apart.
+const ON_PHOTON_SPHERE: f64 = 5e-6;
+/// Angle, radians, that a radial ray is taken to sweep: far below rounding.
+const RADIAL: f64 = 1e-20;
+/// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
+const AROUND: f64 = 1.0;
+/// Largest |ln(m − 1)|: of a radial ray, and of one that winds until rounding hides it.
+const LARGEST: f64 = 128.0;
+/// Relative rounding of a swept angle.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Angle between places, radians, up to which a ray is guessed to be bent weakly.
 const WEAK: f64 = 2.8;
 /// Most iterations of a root.
@@ -145,24 +153,29 @@ impl Lens {
             let is_lower = |w: f64| critical * w / medium.index_squared(w).sqrt() < 1.0 - s * s;
             bisect(low, high, |w| is_lower(w) == (s > 0.0))
         };
-        let stretch = |low: f64, high: f64| {
-            let h = |s: f64| {
-                let w = place(s);
-                s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
-            };
-            Chebyshev::fit(TERMS, (low, high), h).trimmed(0.1 * tolerance)
+        // Next to s = 0, where its quotient is 0/0, h is known from afar.
+        let whole = Chebyshev::fit(TERMS, (-1.0, 1.0), |s| {
+            let w = place(s);
+            s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
+        });
+        let part = |low: f64, high: f64| {
+            Chebyshev::fit(TERMS, (low, high), |s| whole.at(s)[0]).trimmed(0.1 * tolerance)
         };
-        let outside = stretch(0.0, 1.0);
+        let (inside, outside) = (part(-1.0, 0.0), part(0.0, 1.0));
+        // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
+        let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
         Some(Self {
             critical,
             photon_sphere,
-            through: stretch(-1.0, 1.0),
+            through: whole.trimmed(0.1 * tolerance),
             weak: 0.5 * (1.0 - outside.at(1.0)[1]),
             outside,
-            inside: stretch(-1.0, 0.0),
+            inside,
+            reach,
             place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
-            rules: RULES.map(|count| Rule::new(count, tolerance)).to_vec(),
-            enough: (10.0 * tolerance).max(4.0 * f64::EPSILON),
+            rules: RULES.map(rule).to_vec(),
+            digits: -0.5 * tolerance.ln(),
+            enough: tolerance,
         })
     }
 
@@ -178,37 +191,40 @@ impl Lens {
                 let [value, slope] = self.place.at(s);
                 s -= (value - w / self.photon_sphere) / slope;
             }
+            s = s.abs().max(f64::EPSILON).copysign(s);
         }
         Site { radial: x / rho, w, q, s }
     }
 
     /// The ray from `x` to `y` that sweeps g, the angle between them (`winding` 0), 2π − g (1), 2π + g (2), and so on;
-    /// `None` if rounding hides it or if there is none.
+    /// `None` if the places are the same and it need not leave, or if rounding hides it.
     pub fn connect(&self, x: &Site, y: &Site, winding: u32) -> Option<Connection> {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
         let angle = sin.atan2(x.radial.dot(y.radial));
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
-        let swept = if odd { turns + (PI - angle) } else { (turns + angle).max(RADIAL) };
-        let half = sin / (1.0 + x.radial.dot(y.radial));
-        let track = self.track(x, y, swept, half)?;
+        let swept = if odd { turns + (PI - angle) } else { turns + angle };
+        let radial = swept < RADIAL;
+        if radial && x.w == y.w {
+            return None;
+        }
+        let (swept, sine) = if radial { (RADIAL, RADIAL) } else { (swept, sin) };
+        let track = self.track(x, y, swept)?;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
         let vector = |site: &Site, [cos, sin]: [f64; 2]| {
-            (cos * site.radial + sin * axis.cross(site.radial)).normalize()
+            // The axis is only as good as the angle between the places is large.
+            let along = axis.cross(site.radial).normalize();
+            (cos * site.radial + sin * along).normalize()
         };
-        let (direction, arrival) = (vector(x, track.start), vector(y, track.end));
         Some(Connection {
-            direction: if angle < RADIAL && winding == 0 {
-                track.start[0].signum() * x.radial
-            } else {
-                direction
-            },
-            arrival: if angle < RADIAL && winding == 0 { track.end[0].signum() * y.radial } else { arrival },
+            direction: vector(x, track.start),
+            arrival: vector(y, track.end),
             swept,
             b: track.b,
-            spread: spread(x, y, &track),
+            spread: spread(x, y, &track, sine),
             swing: [track.rate / (x.q * track.end[0].abs()), track.rate / (y.q * track.start[0].abs())],
+            line: track.distance / (x.q * y.q),
         })
     }
 
@@ -255,10 +271,10 @@ impl Lens {
     /// Winding number and [`Connection::spread`] of a ray that leaves `x` in the unit `direction` and arrives at `y`
     /// travelling in the unit direction `arrival`.
     pub fn ray(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
-        let sine = x.radial.cross(direction).length();
-        let b = sine / x.q;
+        let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
+        let b = across.length().max(RADIAL) / x.q;
         let track = if (x.s > 0.0) != (y.s > 0.0) {
-            self.through(x, y, self.critical / b)
+            self.through(x, y, (self.critical - b).max(0.0) / b)
         } else {
             let side = x.s.signum();
             let (near, far) = if y.q > x.q { (y, x) } else { (x, y) };
@@ -268,21 +284,34 @@ impl Lens {
             let gamma = leaving.atan2(cos) - (b * far.q).min(1.0).asin();
             self.beside(near, far, gamma.max(RADIAL)).map(|track| oriented(track, y.q > x.q))
         }?;
-        Some(((track.swept / PI) as u32, spread(x, y, &track)))
+        // g is between 0 and π, and the winding even, if the ray sets out on the short way.
+        let turns = track.swept / (2.0 * PI);
+        let winding = if spin.dot(across) < 0.0 {
+            2.0 * (turns + 0.25).round() - 1.0
+        } else {
+            2.0 * (turns - 0.25).round()
+        };
+        let sine = if track.swept < AROUND { track.swept.sin() } else { spin.length() };
+        Some((winding.max(0.0) as u32, spread(x, y, &track, sine)))
     }
 
     /// The ray from `x` to `y` that sweeps an angle.
-    fn track(&self, x: &Site, y: &Site, swept: f64, half: f64) -> Option<Track> {
+    fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
+        if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE {
+            return Some(self.circling(x, y, swept));
+        }
         if (x.s > 0.0) != (y.s > 0.0) {
-            // ln(m − 1), in which φ has a linear and an exponential end.
-            let (low, high) = (-64.0, 64.0);
-            return root((low, high, -swept), self.enough, |t| {
-                let excess = f64::exp(t);
-                let track = self.through(x, y, 1.0 + excess)?;
+            // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
+            let size = |swept: f64| swept + (-(-swept).exp_m1()).ln();
+            let wanted = size(swept);
+            return root((-LARGEST, LARGEST, -wanted), self.enough, |t| {
+                let above = t.exp();
+                let track = self.through(x, y, above)?;
                 // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
                 let slope = track.rate / (track.start[0] * track.end[0]).abs();
-                let slope = -slope * self.critical * excess / (1.0 + excess).powi(2);
-                Some((track, (track.swept - swept) / slope, swept - track.swept))
+                let slope = -slope * self.critical * above / (1.0 + above).powi(2);
+                let shift = (size(track.swept) - wanted) * -(-track.swept).exp_m1() / slope;
+                Some((track, shift, swept - track.swept))
             });
         }
         let reversed = y.q > x.q;
@@ -293,7 +322,8 @@ impl Lens {
             (1.0 - s2).atan2((s2 * (2.0 - s2)).sqrt())
         };
         let most = PI - critical(near) - critical(far);
-        let guess = if swept < 0.9 * most { self.guess(near, far, swept, half) } else { swept };
+        let guess =
+            if swept < 0.9 * most { self.guess(near, far, swept, (0.5 * swept).tan()) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * (-swept).exp()) };
         root((0.0, most, guess), self.enough, |gamma| {
             let track = self.beside(near, far, gamma)?;
@@ -331,58 +361,106 @@ impl Lens {
         let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
         let m = self.critical / b;
         let (swept, slope) = if m > 1.0 {
-            let (swept, slope) = self.monotone(fit, near.s, far.s, m);
+            // Far away s is 1 to rounding.
+            let sum = (near.s + far.s).abs();
+            let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
+                self.critical * (near.q - far.q) / sum
+            } else {
+                (near.s - far.s).abs()
+            };
+            let (swept, slope) = self.monotone(fit, near.s, far.s, gap, m - 1.0);
             (swept, -slope * m / b * db)
         } else {
             let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
-            let (swept, by_b) = self.turning(fit, start, end, b, side);
+            let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
             let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
             let bend = far.q * (near.q * cos - far.q) / (d * d);
             (swept, at_near * (1.0 + bend) - at_far * bend + by_b * db)
         };
         let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
-        let track = Track { swept, b, start: outwards(leaving), end: outwards(arriving), rate: slope * d };
+        let (start, end) = (outwards(leaving), outwards(arriving));
+        let track = Track { swept, b, start, end, rate: slope * d, distance: d };
         (swept.is_finite() && track.rate > 0.0).then_some(track)
     }
 
-    /// The ray of impact parameter b_c/m, m > 1, between two places on both sides of the photon sphere.
-    fn through(&self, x: &Site, y: &Site, m: f64) -> Option<Track> {
-        let (swept, slope) = self.monotone(&self.through, x.s, y.s, m);
+    /// The ray with m − 1 = `above` > 0 between two places on both sides of the photon sphere.
+    fn through(&self, x: &Site, y: &Site, above: f64) -> Option<Track> {
+        let (swept, slope) = self.monotone(&self.through, x.s, y.s, (x.s - y.s).abs(), above);
+        let m = 1.0 + above;
         let b = self.critical / m;
         let way = if y.s > x.s { 1.0 } else { -1.0 };
+        // 1 − (b/B)², without cancellation.
         let [start, end] = [x, y].map(|site| {
-            let sin = b * site.q;
-            [way * (1.0 - sin * sin).max(0.0).sqrt(), sin]
+            let s2 = site.s * site.s;
+            [way * ((above + s2) * (m + 1.0 - s2)).sqrt() / m, b * site.q]
         });
         let rate = (start[0] * end[0] * slope * m / b).abs();
-        (m > 1.0 && swept.is_finite() && rate > 0.0).then_some(Track { swept, b, start, end, rate })
+        (above > 0.0 && swept.is_finite() && rate > 0.0).then_some(Track {
+            swept,
+            b,
+            start,
+            end,
+            rate,
+            distance: 0.0,
+        })
     }
 
-    /// φ and dφ/dm of a ray with m > 1, between two places.
-    fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, m: f64) -> (f64, f64) {
-        let u2 = m - 1.0;
-        let u = u2.sqrt();
+    /// The ray between two places next to the photon sphere that sweeps an angle. There s is a sum of e^λφ and e^−λφ.
+    fn circling(&self, x: &Site, y: &Site, swept: f64) -> Track {
+        let growth = FRAC_1_SQRT_2 / self.outside.at(0.0)[0];
+        let (sinh, cosh) = ((growth * swept).sinh(), (growth * swept).cosh());
+        // ds/d(λφ), whose square is m − 1 + s².
+        let rates = [(y.s - x.s * cosh) / sinh, (y.s * cosh - x.s) / sinh];
+        let above = rates[0] * rates[0] - x.s * x.s;
+        let m = 1.0 + above;
+        let b = self.critical / m;
+        let vector = |site: &Site, rate: f64| {
+            let cos = (rate * (m + 1.0 - site.s * site.s).sqrt() / m).clamp(-1.0, 1.0);
+            [cos, (1.0 - cos * cos).sqrt()]
+        };
+        let (start, end) = (vector(x, rates[0]), vector(y, rates[1]));
+        let distance = x.q * (end[0] - start[0]).abs();
+        Track { swept, b, start, end, rate: x.q * sinh / growth, distance }
+    }
+
+    /// φ and dφ/dm of a ray with m − 1 = `above` > 0, between two places that are `gap` apart.
+    fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, gap: f64, above: f64) -> (f64, f64) {
+        // Where both singularities are far away, a longer unit would cost s its digits.
+        let unit = above.sqrt().min(1.0);
+        let m = 1.0 + above;
         let (low, high) = (from.min(to), from.max(to));
-        let [swept, slope] = self.integrate(low / u, high / u, |sinh, cosh| {
-            let s = sinh.map(|sinh| u * sinh);
+        // Where the root below is 0, or h ceases to be analytic.
+        let bound = (m + 1.0).sqrt();
+        let beyond = [-self.reach[0].min(bound), self.reach[1].min(bound)].map(|s| s / unit);
+        let [swept, slope] = self.integrate((low / unit, high / unit, gap / unit), beyond, |sinh, cosh| {
+            let s = sinh.map(|sinh| unit * sinh);
             let [h, _] = fit.at_each(s);
             std::array::from_fn(|i| {
-                let rest = m + 1.0 - s[i] * s[i];
-                let term = 2.0 * h[i] / rest.sqrt();
-                [term, term / (cosh[i] * cosh[i] * rest)]
+                let s2 = s[i] * s[i];
+                let below = (above + s2) * (m + 1.0 - s2);
+                let term = 2.0 * h[i] * unit * cosh[i] / below.sqrt();
+                [term, term / below]
             })
         });
-        (swept, -m * slope / u2)
+        (swept, -m * slope)
     }
 
     /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2 atan
-    /// `end` from its turning point, on the side of the photon sphere that `side` says.
-    fn turning(&self, fit: &Chebyshev, start: f64, end: f64, b: f64, side: f64) -> (f64, f64) {
+    /// `end`, `gamma` apart, from its turning point, on the side of the photon sphere that `side` says.
+    fn turning(
+        &self,
+        fit: &Chebyshev,
+        (start, end, gamma): (f64, f64, f64),
+        b: f64,
+        side: f64,
+    ) -> (f64, f64) {
         let m = self.critical / b;
         // Of tan²(θ/2) where B would be b_c: negative.
         let pole = ((b - self.critical) / (b + self.critical)).max(f64::MIN_POSITIVE).sqrt();
         let scale = (1.0 + m).sqrt();
-        let [swept, by_b] = self.integrate(start / pole, end / pole, |sinh, cosh| {
+        let gap = (0.5 * gamma).sin() * ((1.0 + start * start) * (1.0 + end * end)).sqrt();
+        let range = (start / pole, end / pole, gap / pole);
+        let [swept, by_b] = self.integrate(range, [-f64::INFINITY, f64::INFINITY], |sinh, cosh| {
             let round: Lanes = sinh.map(|sinh| (1.0 + (pole * sinh).powi(2)).sqrt());
             let s: Lanes = std::array::from_fn(|i| side * scale * pole * cosh[i] / round[i]);
             let [h, dh] = fit.at_each(s);
@@ -395,19 +473,32 @@ impl Lens {
         (swept, -by_b / b)
     }
 
-    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v that have singularities no
-    /// closer to the real axis than π/2.
+    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v whose singularities are where
+    /// sinh v has the values `beyond` or have an imaginary part of at least π/2. `gap` is `high` − `low`, without its
+    /// rounding.
     #[inline(always)]
-    fn integrate(&self, low: f64, high: f64, f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES]) -> [f64; 2] {
-        // e^v.
-        let [first, last] = [low, high].map(|sinh| {
+    fn integrate(
+        &self,
+        (low, high, gap): (f64, f64, f64),
+        beyond: [f64; 2],
+        f: impl Fn(Lanes, Lanes) -> [[f64; 2]; LANES],
+    ) -> [f64; 2] {
+        let exp_arsinh = |sinh: f64| {
             let larger = sinh.abs() + (1.0 + sinh * sinh).sqrt();
             if sinh < 0.0 { 1.0 / larger } else { larger }
-        });
-        let (middle, half) = (first.sqrt() * last.sqrt(), 0.5 * (last / first).ln());
-        let rule = self.rules.iter().find(|rule| half <= rule.reach).or(self.rules.last());
+        };
+        let middle = (exp_arsinh(low) * exp_arsinh(high)).sqrt();
+        let half = arsinh(gap / (middle + 1.0 / middle));
+        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3]. On the real axis the
+        // nearer one counts.
+        let nearer = (middle / exp_arsinh(beyond[0])).min(exp_arsinh(beyond[1]) / middle);
+        let real = (nearer.ln() / half).max(1.0);
+        let across = (0.5 * PI / half.max(1e-3)).asinh();
+        let wanted = self.digits / across.min((real + (real * real - 1.0).sqrt()).ln()).max(1e-3);
+        let longest = RULES.len() - 1;
+        let rule = RULES.iter().position(|&nodes| nodes as f64 >= wanted).unwrap_or(longest);
         let mut sums = [0.0; 2];
-        for (x, weight) in rule.iter().flat_map(|rule| &rule.nodes) {
+        for (x, weight) in &self.rules[rule] {
             let grown = x.map(|x| middle * (half * x).exp());
             let shrunk = grown.map(|grown| 1.0 / grown);
             let values = f(
@@ -423,16 +514,11 @@ impl Lens {
     }
 }
 
-impl Rule {
-    fn new(count: usize, tolerance: f64) -> Self {
-        let nodes = gauss_legendre(count);
-        let group = |group: &[(f64, f64); LANES]| (group.map(|node| node.0), group.map(|node| node.1));
-        Self {
-            // The largest ellipse that keeps off the singularities [Trefethen 2013, th. 19.3].
-            reach: 0.5 * PI / (-0.5 * tolerance.ln() / count as f64).sinh(),
-            nodes: nodes.as_chunks().0.iter().map(group).collect(),
-        }
-    }
+/// `count` nodes and weights in groups.
+fn rule(count: usize) -> Vec<(Lanes, Lanes)> {
+    let nodes = gauss_legendre(count);
+    let group = |group: &[(f64, f64); LANES]| (group.map(|node| node.0), group.map(|node| node.1));
+    nodes.as_chunks().0.iter().map(group).collect()
 }
 
 impl Site {
@@ -442,14 +528,21 @@ impl Site {
     }
 }
 
-/// [`Connection::spread`] of a track from `x` to `y`.
-fn spread(x: &Site, y: &Site, track: &Track) -> f64 {
+/// [`Connection::spread`] of a track from `x` to `y`, given |sin φ|.
+fn spread(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
     let far = if y.w > 0.0 { y.w * y.w } else { 1.0 };
-    // Where places are in line, the sine is that of their angle rather than of what was found; a radial ray has neither.
-    let sin = x.radial.cross(y.radial).length();
-    let is_radial = sin < RADIAL && x.radial.dot(y.radial) > 0.0;
-    let sin = if is_radial { track.swept.sin().abs() } else { sin };
-    track.b * x.q * x.q * far / (sin * track.rate)
+    track.b * x.q * x.q * far / (sine * track.rate)
+}
+
+/// Inverse hyperbolic sine of a number ≥ 0, to relative rounding and faster than the standard library's.
+fn arsinh(x: f64) -> f64 {
+    if x > 0.05 {
+        return (x + (1.0 + x * x).sqrt()).ln();
+    }
+    // Its Taylor series: the next term is below 1e-17.
+    let square = x * x;
+    let terms = [-63.0 / 2816.0, 35.0 / 1152.0, -5.0 / 112.0, 3.0 / 40.0, -1.0 / 6.0];
+    x + x * terms.iter().fold(0.0, |sum, term| (sum + term) * square)
 }
 
 /// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the
@@ -490,7 +583,8 @@ fn root(
         } else {
             low = at;
         }
-        let is_met = excess.abs() <= enough * track.swept.min(1.0) || shift.abs() <= f64::EPSILON * at.abs();
+        let met = (enough * track.swept.min(1.0)).max(ROUNDING * track.swept);
+        let is_met = excess.abs() <= met || shift.abs() <= f64::EPSILON * at.abs();
         if is_met || high - low <= f64::EPSILON * high.abs() {
             break;
         }
@@ -514,4 +608,63 @@ fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
         }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spacetime::Schwarzschild;
+
+    fn lens() -> (Schwarzschild, Lens) {
+        let hole = Schwarzschild::new(1.0);
+        (hole, Lens::new(&hole, 1e-15).unwrap())
+    }
+
+    /// The unit vector at an angle in a plane.
+    fn at(angle: f64) -> DVec3 {
+        DVec3::new(angle.cos(), angle.sin(), 0.0)
+    }
+
+    #[test]
+    fn light_from_infinity_is_deflected_as_einstein_and_the_next_order_say() {
+        let (hole, lens) = lens();
+        for bend in [1e-2, 1e-3, 1e-4] {
+            // Far behind the hole, swept π + bend.
+            let (x, y) = (Site::infinity(at(0.0)), lens.site(&hole, 1e9 * at(PI + bend)));
+            let ray = lens.connect(&x, &y, 1).unwrap();
+            // bend = 2 r_s/b + 15π/16 (r_s/b)², less the angle b/ρ that is left.
+            let expected = 2.0 / ray.b + 15.0 * PI / 16.0 / (ray.b * ray.b) - ray.b / 1e9;
+            assert!((expected / bend - 1.0).abs() < 3.0 * bend * bend + 1e-8, "{bend}: {expected}");
+            assert!(ray.direction.distance(-at(0.0)) < 1e-15 && ray.arrival.distance(at(PI + bend)) < 1e-4);
+        }
+    }
+
+    #[test]
+    fn the_photon_sphere_joins_its_points_by_circles() {
+        let (hole, lens) = lens();
+        let rho = hole.photon_sphere();
+        for angle in [0.1, 1.0, 3.0] {
+            let [x, y] = [0.0, angle].map(|angle| lens.site(&hole, rho * at(angle)));
+            for winding in 0..3 {
+                let ray = lens.connect(&x, &y, winding).unwrap();
+                assert!((ray.b / lens.critical - 1.0).abs() < 1e-14, "{ray:?}");
+                let way = if winding == 1 { -1.0 } else { 1.0 };
+                assert!(ray.direction.distance(way * at(0.5 * PI)) < 1e-6, "{ray:?}");
+                // Rays beside it part like sin φ across its plane, like sinh φ in it.
+                let exact = 1.0 / (rho * rho * (ray.swept.sin() * ray.swept.sinh()).abs());
+                assert!((ray.spread / exact - 1.0).abs() < 1e-12, "{ray:?}, exactly {exact}");
+                let time = lens.time(&x, &y, &ray);
+                assert!((time / (ray.b * ray.swept) - 1.0).abs() < 1e-12, "{time}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_place_is_joined_to_itself_only_around_the_hole() {
+        let (hole, lens) = lens();
+        let x = lens.site(&hole, DVec3::new(1.0, 2.0, -3.0));
+        assert_eq!(lens.connect(&x, &x, 0), None);
+        let ring = lens.connect(&x, &x, 1).unwrap();
+        assert_eq!((ring.swept, ring.spread), (2.0 * PI, f64::INFINITY));
+    }
 }

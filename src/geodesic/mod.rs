@@ -15,6 +15,7 @@ mod rkn4;
 mod rkn6;
 mod stepper;
 mod time;
+mod travel_time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};

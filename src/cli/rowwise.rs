@@ -1,0 +1,145 @@
+//! A table in, a table out: rows are read a chunk at a time, worked on by all threads and answered in their order.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use csv::ByteRecord;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::failure::Failure;
+use super::outputs::same_file;
+use super::progress::Bar;
+use super::table::Table;
+use crate::film::atomic::Output;
+
+/// What a command does with the rows of a table.
+pub(super) trait RowWise: Sync {
+    /// What is read of a row.
+    type Task: Sync;
+    /// What is found.
+    type Answer: Send;
+
+    /// What follows the program's name in the comment above the results.
+    fn settings(&self) -> String;
+
+    /// Columns that are written.
+    fn names(&self) -> Vec<&'static str>;
+
+    /// Reads a row; none if there is nothing to be done about it.
+    fn read(&mut self, row: ByteRecord) -> Result<Option<Self::Task>, Failure>;
+
+    /// Works on a row, on any thread.
+    fn answer(&self, task: &Self::Task) -> Result<Self::Answer, Failure>;
+
+    /// Writes the rows that answer a row.
+    fn write(
+        &mut self,
+        task: &Self::Task,
+        answer: &Self::Answer,
+        out: &mut csv::Writer<impl Write>,
+    ) -> csv::Result<()>;
+}
+
+/// Which files, and how many threads.
+pub(super) struct Setup<'a> {
+    /// The table, and what it is a table of.
+    pub(super) input: (&'a Path, &'static str),
+    /// Standard output if there is none.
+    pub(super) output: Option<&'a Path>,
+    /// 0 means one per core.
+    pub(super) threads: usize,
+}
+
+impl Setup<'_> {
+    /// Does `job`, and says at the end what was written where; nothing if the reader of standard output has gone away, as
+    /// `head` does, which is no failure.
+    pub(super) fn run(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
+        let Some(path) = self.output else {
+            return match self.stream(table, job, io::stdout().lock()) {
+                Ok(done) => done.map(|()| Some(String::new())),
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(None),
+                Err(error) => Err(Failure::new(format!("cannot write to standard output: {error}"))),
+            };
+        };
+        if same_file(path, self.input.0) {
+            let message = format!("`{}` is the table of {} itself", path.display(), self.input.1);
+            return Err(Failure::new(message).help("name another file for the results"));
+        }
+        let mut done = Ok(());
+        let committed = Output::create(path)?.commit(|out| {
+            done = self.stream(table, job, out)?;
+            if done.is_err() { Err(io::ErrorKind::InvalidData.into()) } else { Ok(()) }
+        });
+        done?;
+        committed?;
+        Ok(Some(format!("; wrote {}", path.display())))
+    }
+
+    /// The outer error is one of `out`, the inner one of the table.
+    fn stream(
+        &self,
+        table: &mut Table,
+        job: &mut impl RowWise,
+        out: impl Write,
+    ) -> io::Result<Result<(), Failure>> {
+        let bar = Bar::new("bytes");
+        // Without a pool of its own the command shares rayon's.
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build().ok();
+        let done = chunks(table, job, out, pool.as_ref(), &bar);
+        bar.finish();
+        done
+    }
+}
+
+fn chunks(
+    table: &mut Table,
+    job: &mut impl RowWise,
+    mut out: impl Write,
+    pool: Option<&ThreadPool>,
+    bar: &Bar,
+) -> io::Result<Result<(), Failure>> {
+    writeln!(out, "# warpfront {} {}", env!("CARGO_PKG_VERSION"), job.settings())?;
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_record(job.names()).map_err(plain)?;
+    loop {
+        let rows = match table.chunk() {
+            Ok(rows) if rows.is_empty() => break,
+            Ok(rows) => rows,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let tasks: Result<Vec<_>, Failure> =
+            rows.into_iter().filter_map(|row| job.read(row).transpose()).collect();
+        let tasks = match tasks {
+            Ok(tasks) => tasks,
+            Err(failure) => return Ok(Err(failure)),
+        };
+        let all = || tasks.par_iter().map(|task| job.answer(task)).collect();
+        let answers: Vec<Result<_, Failure>> = match pool {
+            Some(pool) => pool.install(all),
+            None => all(),
+        };
+        for (task, answer) in tasks.iter().zip(answers) {
+            match answer {
+                Ok(answer) => job.write(task, &answer, &mut writer).map_err(plain)?,
+                Err(failure) => return Ok(Err(failure)),
+            }
+        }
+        bar.update(table.progress());
+    }
+    writer.flush()?;
+    Ok(Ok(()))
+}
+
+/// The error of the file, of its own kind and not of "other", as which `From` would have it.
+fn plain(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
+}
+
+/// The cell of a number, which reads back exactly.
+pub(super) fn cell(number: f64) -> String {
+    format!("{number:?}")
+}

@@ -1,0 +1,143 @@
+//! Tables of numbers: a CSV file with a line of column names and `#` comments, read as it is needed.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use csv::{ByteRecord, ReaderBuilder, Trim};
+
+use super::failure::Failure;
+use super::units::plural;
+use crate::trace::Progress;
+
+/// Rows in memory at a time.
+const CHUNK: usize = 8192;
+
+/// A table, being read.
+pub(super) struct Table {
+    reader: csv::Reader<File>,
+    /// Bytes.
+    size: u64,
+    pub(super) header: Header,
+}
+
+impl Table {
+    /// Opens a table that has a `what` per row, as a remedy calls it.
+    pub(super) fn open(path: &Path, what: &'static str) -> Result<Self, Failure> {
+        let name = path.display().to_string();
+        let unreadable = |error: io::Error| unreadable(&name, what, &error);
+        let file = File::open(path).map_err(unreadable)?;
+        let size = file.metadata().map_err(unreadable)?.len();
+        let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
+        let names = reader.byte_headers().map_err(|error| explain(&name, what, &error))?.clone();
+        Ok(Self { reader, size, header: Header { table: name, what, names } })
+    }
+
+    /// The next rows; none at the end.
+    pub(super) fn chunk(&mut self) -> Result<Vec<ByteRecord>, Failure> {
+        let Header { table, what, .. } = &self.header;
+        let rows = self.reader.byte_records().take(CHUNK);
+        rows.map(|row| row.map_err(|error| explain(table, what, &error))).collect()
+    }
+
+    /// Bytes read.
+    pub(super) fn progress(&self) -> Progress {
+        Progress { done: self.reader.position().byte(), total: self.size }
+    }
+}
+
+fn unreadable(table: &str, what: &str, error: &dyn std::error::Error) -> Failure {
+    Failure::new(format!("cannot read `{table}`: {error}"))
+        .help(format!("name a CSV file with a {what} per row"))
+}
+
+/// Why a table cannot be read on.
+fn explain(table: &str, what: &str, error: &csv::Error) -> Failure {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            let cells = plural(*len as usize, "cell", "cells");
+            Failure::new(format!("`{table}`, line {line}: {cells}, but there are {expected_len} columns"))
+                .help("give every row as many cells as there are column names; cells may be empty")
+        }
+        _ => unreadable(table, what, error),
+    }
+}
+
+/// The line of a row.
+pub(super) fn line(row: &ByteRecord) -> u64 {
+    row.position().map_or(0, csv::Position::line)
+}
+
+/// The name of a table and those of its columns.
+#[derive(Clone)]
+pub(super) struct Header {
+    table: String,
+    /// What a row is.
+    what: &'static str,
+    names: ByteRecord,
+}
+
+impl Header {
+    /// Where the column `name` is, if there is one.
+    pub(super) fn place(&self, name: &str) -> Result<Option<usize>, Failure> {
+        let mut places = self.names.iter().enumerate().filter(|(_, found)| *found == name.as_bytes());
+        let first = places.next().map(|(place, _)| place);
+        match places.next() {
+            Some(_) => Err(Failure::new(format!("`{}` has two columns `{name}`", self.table))
+                .help("give every column a name of its own")),
+            None => Ok(first),
+        }
+    }
+
+    /// Where `needed` columns are.
+    pub(super) fn all(&self, needed: &[&'static str]) -> Result<Vec<(&'static str, usize)>, Failure> {
+        let place = |&name: &&'static str| {
+            let place = self.place(name)?.ok_or_else(|| {
+                Failure::new(format!("`{}` has no column `{name}`", self.table))
+                    .help(format!("name the columns in the first line: {}", needed.join(",")))
+            })?;
+            Ok((name, place))
+        };
+        needed.iter().map(place).collect()
+    }
+
+    /// Where all of `names` are; none if not one of them is there.
+    ///
+    /// Some without the others are refused.
+    pub(super) fn places<const N: usize>(&self, names: [&str; N]) -> Result<Option<[usize; N]>, Failure> {
+        let mut places = [0; N];
+        let (mut there, mut missing) = (None, None);
+        for (place, name) in places.iter_mut().zip(names) {
+            match self.place(name)? {
+                Some(found) => (*place, there) = (found, Some(name)),
+                None => missing = Some(name),
+            }
+        }
+        match (there, missing) {
+            (Some(there), Some(missing)) => Err(Failure::new(format!(
+                "`{}` has a column `{there}` but no column `{missing}`",
+                self.table
+            ))
+            .help(format!("give all of {}, or none of them", names.join(",")))),
+            (there, _) => Ok(there.map(|_| places)),
+        }
+    }
+
+    /// The number in the column `name` at `place`.
+    pub(super) fn number(&self, row: &ByteRecord, name: &str, place: usize) -> Result<f64, Failure> {
+        let text = String::from_utf8_lossy(row.get(place).unwrap_or_default());
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| {
+            let cause =
+                if text.is_empty() { "no number".to_owned() } else { format!("`{text}` is not a number") };
+            self.at(line(row), &format!("column `{name}`"), &cause)
+                .help("give a finite number, such as 0.5 or 1e-3")
+        })
+    }
+
+    /// What is wrong in a line.
+    pub(super) fn at(&self, line: u64, place: &str, cause: &str) -> Failure {
+        Failure::new(format!("`{}`, line {line}, {place}: {cause}", self.table))
+    }
+}
