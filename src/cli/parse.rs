@@ -11,9 +11,6 @@ use std::time::Duration;
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
 
-/// Highest winding order.
-const MAX_WINDING: u64 = 8;
-
 /// Most pixels of a picture whose rays are all kept in memory: a few GB.
 const MAX_KEPT: usize = 1 << 24;
 
@@ -26,11 +23,6 @@ fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
 /// A count that fits in 32 bits, at least 1.
 pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1..=u64::from(u32::MAX)).map(|number| number as u32)
-}
-
-/// A winding number.
-pub(super) fn winding(text: &str) -> Result<u32, String> {
-    whole(text, 0..=u64::from(MAX_WINDING)).map(|number| number as u32)
 }
 
 /// Any unsigned 64-bit number.
@@ -50,7 +42,7 @@ pub(super) fn batch(text: &str) -> Result<usize, String> {
 
 /// A winding order: rays of higher ones differ by less than rounding.
 pub(super) fn winding(text: &str) -> Result<u32, String> {
-    whole(text, 0..=MAX_WINDING).map(|number| number as u32)
+    whole(text, 0..=u64::from(MAX_WINDING)).map(|number| number as u32)
 }
 
 /// A finite number.

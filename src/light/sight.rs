@@ -114,7 +114,7 @@ pub struct Lensed<M> {
 }
 
 /// Relative error of connections: far below what their rays are traced with.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-5;
 /// Weight, beside that of the near way, of a ray that goes around, at least; it is weak but easily missed otherwise.
 const LEAST_ODDS: f64 = 0.02;
 /// The same of rays that go around more than once.

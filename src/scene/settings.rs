@@ -79,7 +79,7 @@ pub enum LightSampling {
 }
 
 /// Largest winding number of rays to lights: those that go around more often cannot be told from the critical ray.
-pub const MAX_WINDING: u32 = 5;
+pub const MAX_WINDING: u32 = 8;
 
 /// Everything that decides the picture beside the scene's content.
 #[derive(Clone, Debug, PartialEq, Serialize)]
