@@ -255,10 +255,9 @@ impl Stack {
         let mean = Estimate::mean(&shots.iter().map(|shot| shot.mean).collect::<Vec<f64>>()).value;
         let ratio = mean / expected;
         let noise = reference.noise.unwrap_or_default();
-        let error = self.variance_of_mean(shots.len() as f64).map(|variance| {
-            let relative = variance / (mean * mean) + noise.mean / (expected * expected);
-            ratio.abs() * relative.sqrt()
-        });
+        let error = self
+            .variance_of_mean(shots.len() as f64)
+            .map(|variance| (variance + ratio * ratio * noise.mean).sqrt() / expected.abs());
         ratio.is_finite().then_some(Estimate { value: ratio, error })
     }
 
