@@ -203,8 +203,8 @@ impl<'a> Pair<'a> {
 
     /// sRGB of every pixel's relative difference, row by row.
     ///
-    /// The scale is logarithmic, from black at 10^−[`DECADES`] over red to pale yellow at 1; green marks pixels that are
-    /// not finite.
+    /// The scale is logarithmic, from black at 10^−[`DECADES`] over red to pale yellow at 1; green marks pixels that
+    /// are not finite.
     pub fn false_color(&self) -> Vec<[u8; 3]> {
         let color = |pixel: usize| {
             let relative = self.relative(pixel);

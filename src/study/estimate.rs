@@ -29,7 +29,8 @@ impl Estimate {
     }
 }
 
-/// The median of `values`, between the two in the middle their geometric mean; `None` unless all are finite and above 0.
+/// The median of `values`, between the two in the middle their geometric mean; `None` unless all are finite and above
+/// 0.
 pub fn geometric_median(mut values: Vec<f64>) -> Option<f64> {
     if !are_positive(&values) {
         return None;

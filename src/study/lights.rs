@@ -88,8 +88,8 @@ struct Shot {
     mean: f64,
 }
 
-/// Measures `plan` on `scene`, in the size that its settings say; `progress` is told from worker threads how many of how
-/// many camera paths are done.
+/// Measures `plan` on `scene`, in the size that its settings say; `progress` is told from worker threads how many of
+/// how many camera paths are done.
 ///
 /// # Errors
 /// If the reference is of other pixels than the scene's.
