@@ -348,3 +348,190 @@ fn bad_flags_are_refused_with_a_remedy() {
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
 }
+
+/// A small lamp over a floor, in flat space and out of the camera's sight.
+const LAMP: &str = "
+[camera]
+position = [0, 2, 8]
+look_at = [0, 0, 0]
+vertical_fov = 20
+[render]
+max_depth = 4
+[[entity]]
+disk = { center = [0, 0, 0], normal = [0, 1, 0], outer = 6 }
+[[entity]]
+sphere = { center = [-0.5, 0.5, 0], radius = 0.5 }
+[[entity]]
+sphere = { center = [1, 5, 1], radius = 0.3 }
+emission = 30
+";
+const LIGHTS: [&str; 4] = ["--size", "16x12", "--light-sampling", "off,straight,geodesic"];
+
+impl Place {
+    /// The rows of a study of light sampling by column, and what was printed.
+    fn light_rows(&self, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
+        self.written(&self.study("study", &[&LIGHTS, flags].concat()))
+    }
+}
+
+/// A column of a way by numbers of samples.
+fn column(rows: &[HashMap<String, String>], way: &str, column: &str) -> Vec<f64> {
+    rows.iter().filter(|row| row["light_sampling"] == way).map(|row| number(row, column)).collect()
+}
+
+#[test]
+fn light_sampling_has_a_row_per_way_and_number_of_samples() {
+    let place = Place::new(LAMP);
+    let (rows, table) = place.light_rows(&["--spps", "4,16,16"]);
+    let found: Vec<_> =
+        rows.iter().map(|row| (row["light_sampling"].as_str(), row["spp"].as_str())).collect();
+    let ways = ["off", "straight", "geodesic"];
+    assert_eq!(found, ways.map(|way| [(way, "4"), (way, "16")]).concat());
+    for row in &rows {
+        let mse = number(row, "mse");
+        assert!((number(row, "rmse").powi(2) / mse - 1.0).abs() < 1e-9, "{row:?}");
+        assert!((number(row, "efficiency") * mse * number(row, "seconds") - 1.0).abs() < 1e-9, "{row:?}");
+        assert!(number(row, "relmse") > 0.0 && number(row, "p999") > 0.0 && number(row, "gain") > 0.0);
+        assert!(number(row, "mse_error") > 0.0 && number(row, "mean_ratio_error") > 0.0, "{row:?}");
+    }
+    assert!((number(&rows[0], "median_gain") - 1.0).abs() < 1e-9, "{:?}", rows[0]);
+    // Two tables with two lines above their rows, and a line between them.
+    assert_eq!(table.lines().count(), 2 + 6 + 1 + 2 + 3, "{table}");
+    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    for part in [">off<", ">straight<", ">geodesic<", "time (s)", "samples per pixel", "RMSE (radiance)"] {
+        assert!(svg.contains(part), "{part} is missing");
+    }
+    assert!(image::open(place.path("study.png")).unwrap().width() > 800);
+
+    // Errors are the same again, on any number of threads.
+    let (again, _) = place.light_rows(&["--spps", "4,16", "--threads", "1"]);
+    for (row, again) in rows.iter().zip(&again) {
+        for column in ["mse", "mse_error", "relmse", "p999", "mean_ratio", "mean_ratio_error"] {
+            assert_eq!(row[column], again[column], "{column}");
+        }
+    }
+}
+
+#[test]
+fn one_way_in_one_round_has_neither_gains_nor_errors() {
+    let place = Place::new(LAMP);
+    let flags = ["--size", "16x12", "--light-sampling", "geodesic", "--spps", "2", "--rounds", "1"];
+    let (rows, table) = place.written(&place.study("study", &flags));
+    assert!(rows.len() == 1 && number(&rows[0], "mse") > 0.0, "{table}");
+    for column in ["mse_error", "relmse_error", "mean_ratio_error", "gain", "relative_gain", "median_gain"] {
+        assert!(rows[0][column].is_empty(), "{column}: {:?}", rows[0]);
+    }
+}
+
+#[test]
+fn in_flat_space_all_ways_have_the_same_mean_and_light_sampling_less_noise() {
+    let (rows, table) = Place::new(LAMP).light_rows(&["--spps", "16", "--reference-spp", "1024"]);
+    let [off, straight, geodesic] = ["off", "straight", "geodesic"].map(|way| {
+        let [mean, error] = ["mean_ratio", "mean_ratio_error"].map(|name| column(&rows, way, name)[0]);
+        assert!((mean - 1.0).abs() < 4.0 * error, "{way}\n{table}");
+        (mean, error)
+    });
+    assert!((geodesic.0 - off.0).abs() < 4.0 * geodesic.1.hypot(off.1), "{table}");
+    assert!(geodesic.1 < 0.05 && straight.1 < 0.05, "{table}");
+    let mse = |way| column(&rows, way, "mse")[0];
+    assert!(mse("geodesic") < 0.1 * mse("off") && mse("straight") < 0.1 * mse("off"), "{table}");
+}
+
+/// The paper's box with a small lamp, without caustics, looked into where the camera does not see the lamp.
+const SMALL_LAMP: [&str; 7] = [
+    "entity.light.sphere.center=[0,20,56.6]",
+    "entity.light.sphere.radius=1.5",
+    "entity.light.emission=400",
+    "entity.glass ball.material=\"white\"",
+    "entity.mirror ball.material=\"white\"",
+    "camera.direction=[0.12,-0.1,-1]",
+    "camera.vertical_fov=8",
+];
+
+#[test]
+fn near_a_hole_straight_light_is_too_dark_and_light_along_geodesics_is_not() {
+    let scene = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell_black_hole.toml");
+    let place = Place::new(&fs::read_to_string(scene).unwrap());
+    let changes = SMALL_LAMP.map(|change| ["--set", change]).concat();
+    let (rows, table) = place.light_rows(&[&changes[..], &["--spps", "4,16"]].concat());
+    let of = |way, name| column(&rows, way, name);
+    for spp in 0..2 {
+        let mean = |way| (of(way, "mean_ratio")[spp], of(way, "mean_ratio_error")[spp]);
+        let (straight, error) = mean("straight");
+        assert!(straight < 0.9 && straight + 4.0 * error < 1.0, "{table}");
+        let (geodesic, error) = mean("geodesic");
+        assert!((geodesic - 1.0).abs() < 4.0 * error && error < 0.1, "{table}");
+        // At equal samples: times would depend on what else the machine does.
+        for error in ["mse", "relmse"] {
+            assert!(of("off", error)[spp] > 20.0 * of("geodesic", error)[spp], "{error}\n{table}");
+        }
+    }
+    // A bias stays, noise does not.
+    let falls = |way| of(way, "mse")[0] / of(way, "mse")[1];
+    assert!(falls("geodesic") > 2.5 && falls("straight") < 2.5, "{table}");
+}
+
+#[test]
+fn a_picture_can_be_the_reference_and_its_variances_are_subtracted() {
+    let place = Place::new(LAMP);
+    // Of the same noise as the pictures: half of the measured squares are its own.
+    let render = ["render", "scene.toml", "--size", "16x12", "--spp", "64", "--sampler", "independent"];
+    let flags = ["--spps", "64", "--set", "render.sampler=\"independent\"", "--reference"];
+    let with = |file: &str, more: &[&str]| {
+        let output = place.run(&[&render[..], &["-o", file], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = place.study("study", &[&LIGHTS, &flags[..], &[file]].concat());
+        (stderr(&output), place.written(&output).0)
+    };
+    let (said, rows) = with("known.exr", &["--aov", "variance"]);
+    assert!(!said.contains("warning"), "{said}");
+    let (said, unknown) = with("unknown.exr", &[]);
+    assert!(said.contains("`unknown.exr` has no variances") && said.contains("--aov variance"), "{said}");
+    let ratio = column(&unknown, "geodesic", "mse")[0] / column(&rows, "geodesic", "mse")[0];
+    assert!((1.5..2.7).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn what_does_not_belong_to_a_study_of_light_sampling_is_refused() {
+    let place = Place::new(LAMP);
+    let render = |size: &str, file: &str, more: &[&str]| {
+        let output = place.run(
+            &[&["render", "scene.toml", "--spp", "1", "--no-png", "--size", size, "-o", file], more].concat(),
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    render("8x6", "small.exr", &[]);
+    render("16x12", "part.exr", &["--crop", "0,0,8,12"]);
+    fs::write(place.path("rays.csv"), RAYS).unwrap();
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["--steppers", "rkn6"], &["--steppers", "--light-sampling", "cannot be used"]),
+        (&["--precisions", "f64"], &["--precisions", "cannot be used"]),
+        (&["--tolerances", "1e-3"], &["--tolerances", "cannot be used"]),
+        (&["--schedules", "wavefront"], &["--schedules", "cannot be used"]),
+        (&["--arc-tolerance", "1"], &["--arc-tolerance", "cannot be used"]),
+        (&["--spp", "4"], &["--spp", "cannot be used"]),
+        (&["--spps", "0"], &["--spps", "from 1"]),
+        (&["--reference-spp", "0"], &["--reference-spp", "from 1"]),
+        (&["--reference-spp", "4", "--reference", "small.exr"], &["--reference", "cannot be used"]),
+        (&["--reference", "none.exr"], &["cannot read `none.exr`", "help:"]),
+        (&["--reference", "small.exr"], &["`small.exr`", "8x6", "16x12", "--size"]),
+        (&["--reference", "part.exr"], &["`part.exr`", "part", "--crop"]),
+        (&["--set", "render.max_depth=1"], &["no surface", "max_depth"]),
+    ];
+    let files = fs::read_dir(place.folder()).unwrap().count();
+    for (flags, said) in cases {
+        assert_refused(&place.study("study", &[&LIGHTS, *flags].concat()), said);
+        assert_eq!(fs::read_dir(place.folder()).unwrap().count(), files, "{flags:?}");
+    }
+    let dark = place.study("study", &[&LIGHTS, &["--set", "entity.2.emission=0"][..]].concat());
+    let said = stderr(&dark);
+    assert!(dark.status.code() == Some(2) && said.contains("`scene.toml` has no lights"), "{said}");
+    assert!(said.contains("help: give a scene with an emission") && dark.stdout.is_empty(), "{said}");
+    let refused = |flags: &[&str], said: &[&str]| assert_refused(&place.study("study", flags), said);
+    refused(&["--light-sampling", "curved"], &["--light-sampling", "geodesic"]);
+    refused(&["--light-sampling"], &["--light-sampling", "value is required"]);
+    refused(&["--spps", "4"], &["--light-sampling", "not provided"]);
+    refused(&["--reference-spp", "4"], &["--light-sampling", "not provided"]);
+    let rays = ["study", "--rays", "rays.csv", "-o", "study", "--light-sampling", "off"];
+    assert_refused(&place.run(&rays), &["--light-sampling", "cannot be used"]);
+}

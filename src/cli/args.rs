@@ -126,6 +126,7 @@ pub(super) struct RaysArgs {
 /// Arguments of `study`.
 #[derive(Debug, Args)]
 #[command(override_usage = "warpfront study [OPTIONS] -o <PREFIX> <SCENE>\n       \
+                            warpfront study [OPTIONS] -o <PREFIX> <SCENE> --light-sampling <LIST>\n       \
                             warpfront study [OPTIONS] -o <PREFIX> --rays <RAYS.csv>")]
 pub(super) struct StudyArgs {
     /// Scene file: .toml, .gltf, .glb or .obj
@@ -148,28 +149,55 @@ pub(super) struct StudyArgs {
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: PathBuf,
     /// Steppers, separated by commas [default: all; with --rays, all but rk4-paper]
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "light_sampling")]
     pub(super) steppers: Vec<StepperKind>,
     /// Numbers that orbits are followed in, separated by commas; f32 only with tolerances from 1.2e-5 up, below which it
     /// does not go
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', default_value = "f64,f32")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "f64,f32",
+        conflicts_with = "light_sampling"
+    )]
     pub(super) precisions: Vec<Precision>,
     /// Tolerances, separated by commas [default: 1e-2 to 1e-8 in decades; with --rays, to 1e-12]
-    #[arg(long, value_name = "LIST", value_parser = parse::positive, value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "LIST", value_parser = parse::positive, value_delimiter = ',', allow_hyphen_values = true, conflicts_with = "light_sampling")]
     pub(super) tolerances: Vec<f64>,
     /// Schedules, separated by commas [default: the scene's]
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with_all = ["rays", "light_sampling"])]
     pub(super) schedules: Vec<Schedule>,
     /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true, conflicts_with = "rays")]
+    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
     pub(super) arc_tolerance: Option<f64>,
     /// Size of the pictures in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true, conflicts_with = "rays")]
     pub(super) size: (usize, usize),
     /// Samples per pixel where the speed of whole paths is measured
-    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true, conflicts_with = "rays")]
+    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
     pub(super) spp: u32,
-    /// Times that each setting's speed is measured, all settings in turn; medians count
+    /// Compares ways to look for lights, separated by commas, instead of steppers
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
+    pub(super) light_sampling: Vec<LightSampling>,
+    /// Samples per pixel of the pictures of --light-sampling, separated by commas [default: 1,4,16,64]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::count,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "light_sampling"
+    )]
+    pub(super) spps: Vec<u32>,
+    /// Samples per pixel of the reference of --light-sampling, which is rendered along geodesics [default: 16 times the
+    /// largest of --spps]
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true, requires = "light_sampling")]
+    pub(super) reference_spp: Option<u32>,
+    /// Picture that is the reference of --light-sampling; its noise is known if it has variances
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_spp", requires = "light_sampling")]
+    pub(super) reference: Option<PathBuf>,
+    /// Times that each setting is measured, all settings in turn; medians of times count
     #[arg(long, value_name = "N", value_parser = parse::count, default_value = "3", allow_hyphen_values = true)]
     pub(super) rounds: u32,
     /// Worker threads; 0 means one per core

@@ -7,6 +7,7 @@ mod cost;
 mod failure;
 mod info;
 mod interrupt;
+mod light_study;
 mod memory;
 mod outputs;
 mod parse;

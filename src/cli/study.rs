@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::args::{StudyArgs, distinct};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::light_study;
 use super::progress::Bar;
 use super::rays_table::Columns;
 use super::table::{Table, line};
@@ -18,7 +19,7 @@ use super::units::plural;
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;
 use crate::plot::{Figure, Format};
-use crate::scene::{self, StepperKind};
+use crate::scene::{self, Baked, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
 use crate::study::report;
@@ -37,6 +38,9 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
     match (&args.rays, &args.scene) {
         (Some(rays), _) => free(args, rays, Files::open(&args.output)?),
+        (None, Some(scene)) if !args.light_sampling.is_empty() => {
+            light_study::run(args, scene, Files::open(&args.output)?)
+        }
         (None, Some(scene)) => of_scene(args, scene, Files::open(&args.output)?),
         (None, None) => Err(Failure::new("nothing to study").help("give a SCENE, or --rays RAYS.csv")),
     }
@@ -44,11 +48,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
 
 /// Studies the camera rays of a scene.
 fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Failure> {
-    let mut scene = scene::load_with_hole(path, &args.changes.overrides, args.changes.black_hole)?;
-    for warning in &scene.warnings {
-        say(format!("warning: {warning}"));
-    }
-    (scene.settings.width, scene.settings.height) = args.size;
+    let mut scene = load(args, path)?;
     scene.settings.arc_tolerance = args.arc_tolerance.or(scene.settings.arc_tolerance);
 
     let all = StepperKind::value_variants();
@@ -73,6 +73,16 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
     print(&report::scene::table(&measurements))?;
     say(format!("{}; wrote {}", plural(measurements.len(), "setting", "settings"), names(&args.output)));
     Ok(Outcome::Good)
+}
+
+/// The scene in the size of the study; says what is wrong with it.
+pub(super) fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
+    let mut scene = scene::load_with_hole(path, &args.changes.overrides, args.changes.black_hole)?;
+    for warning in &scene.warnings {
+        say(format!("warning: {warning}"));
+    }
+    (scene.settings.width, scene.settings.height) = args.size;
+    Ok(scene)
 }
 
 /// Studies the rays of a table.
@@ -186,7 +196,7 @@ fn some<T>(settings: &[T]) -> Result<(), Failure> {
 }
 
 /// The files that are written.
-struct Files {
+pub(super) struct Files {
     csv: Output,
     svg: Output,
     png: Output,
@@ -202,7 +212,8 @@ impl Files {
         Ok(Self { csv: csv?, svg: svg?, png: png? })
     }
 
-    fn write(
+    /// Writes them all.
+    pub(super) fn write(
         self,
         csv: impl FnOnce(&mut dyn Write) -> io::Result<()>,
         figure: &Figure,
@@ -215,7 +226,7 @@ impl Files {
 }
 
 /// The names of the files.
-fn names(prefix: &Path) -> String {
+pub(super) fn names(prefix: &Path) -> String {
     EXTENSIONS.map(|extension| with_suffix(prefix, extension).display().to_string()).join(", ")
 }
 

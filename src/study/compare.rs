@@ -194,15 +194,20 @@ impl<'a> Pair<'a> {
         Image { planes: self.shared().map(plane).collect(), attributes: Vec::new(), ..*self.a }
     }
 
+    /// Relative difference of a pixel: the root of the mean over `R`, `G`, `B` of (a − b)²/(b² + [`EPSILON`]), so that
+    /// relMSE is the mean of its square over the picture.
+    pub(super) fn relative(&self, pixel: usize) -> f64 {
+        let squares = self.beauty.map(|(a, b)| relative_square(a[pixel], b[pixel]));
+        (squares.iter().sum::<f64>() / 3.0).sqrt()
+    }
+
     /// sRGB of every pixel's relative difference, row by row.
     ///
-    /// That is the root of the mean over `R`, `G`, `B` of (a − b)²/(b² + [`EPSILON`]), so that relMSE is the mean of its
-    /// square over the picture. The scale is logarithmic, from black at 10^−[`DECADES`] over red to pale yellow at 1;
-    /// green marks pixels that are not finite.
+    /// The scale is logarithmic, from black at 10^−[`DECADES`] over red to pale yellow at 1; green marks pixels that
+    /// are not finite.
     pub fn false_color(&self) -> Vec<[u8; 3]> {
         let color = |pixel: usize| {
-            let squares = self.beauty.map(|(a, b)| relative_square(a[pixel], b[pixel]));
-            let relative = (squares.iter().sum::<f64>() / 3.0).sqrt();
+            let relative = self.relative(pixel);
             if !relative.is_finite() {
                 return NOT_COMPARABLE;
             }

@@ -3,10 +3,13 @@
 pub mod compare;
 pub mod connections;
 pub mod ends;
+pub mod estimate;
 mod fan;
 pub mod free;
+pub mod lights;
 pub mod noise;
 pub mod pareto;
+pub mod reference;
 pub mod report;
 pub mod sweep;
 

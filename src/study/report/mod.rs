@@ -1,6 +1,7 @@
 //! Measurements for people and papers: tables, CSV, diagrams.
 
 pub mod ends;
+pub mod lights;
 pub mod scene;
 
 use super::pareto::front;

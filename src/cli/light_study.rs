@@ -1,0 +1,74 @@
+//! `warpfront study --light-sampling`.
+
+use std::path::Path;
+
+use super::args::{StudyArgs, distinct};
+use super::failure::Failure;
+use super::progress::Bar;
+use super::study::{Files, load, names};
+use super::units::plural;
+use super::{Outcome, print, say};
+use crate::film::read_exr;
+use crate::light::Lights;
+use crate::scene::Baked;
+use crate::study::lights::{Plan, Source, sweep};
+use crate::study::reference::Reference;
+use crate::study::report;
+
+/// Samples per pixel.
+const SPPS: [u32; 4] = [1, 4, 16, 64];
+/// Samples of the reference for each of the largest picture.
+const REFERENCE: u32 = 16;
+
+/// Measures ways to look for lights and writes what was found.
+pub(super) fn run(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Failure> {
+    let scene = load(args, path)?;
+    lit(&scene, path)?;
+    let spps = if args.spps.is_empty() { &SPPS[..] } else { &args.spps };
+    let plan = Plan {
+        ways: distinct(&args.light_sampling),
+        spps: distinct(spps),
+        rounds: args.rounds,
+        threads: args.threads,
+    };
+    let largest = plan.spps.iter().copied().max().unwrap_or(1);
+    let source = match &args.reference {
+        Some(path) => Source::Given(given(path, args.size)?),
+        None => Source::Rendered(args.reference_spp.unwrap_or(largest.saturating_mul(REFERENCE))),
+    };
+
+    let bar = Bar::new("paths");
+    let measured = sweep(scene, &plan, source, &|progress| bar.update(progress));
+    bar.finish();
+    let ways = measured?;
+    files.write(|out| report::lights::write_csv(&ways, out), &report::lights::figure(&ways))?;
+    print(&report::lights::table(&ways))?;
+    let count = plan.ways.len() * plan.spps.len();
+    say(format!("{}; wrote {}", plural(count, "setting", "settings"), names(&args.output)));
+    Ok(Outcome::Good)
+}
+
+/// The reference at `path`, for pictures of `size` pixels.
+fn given(path: &Path, size: (usize, usize)) -> Result<Reference, Failure> {
+    let name = path.display().to_string();
+    let reference = Reference::given(read_exr(path)?, &name, size)?;
+    if reference.noise.is_none() {
+        say(format!("warning: `{name}` has no variances (--aov variance): its noise counts as error"));
+    }
+    Ok(reference)
+}
+
+/// Refuses a scene in which there is nothing to find.
+fn lit(scene: &Baked, path: &Path) -> Result<(), Failure> {
+    let Baked { geometry, materials, environment, punctual, .. } = scene;
+    let path = path.display();
+    if Lights::new(geometry, materials, environment, punctual, 0.0).is_empty() {
+        return Err(Failure::new(format!("`{path}` has no lights that could be sampled"))
+            .help("give a scene with an emission, a light, or a picture as its environment"));
+    }
+    if scene.settings.max_depth < 2 || !materials.iter().any(|material| material.spreads_light()) {
+        return Err(Failure::new(format!("no surface of `{path}` is lit: light sampling has nothing to do"))
+            .help("give a scene with a diffuse material, and a max_depth of 2 or more"));
+    }
+    Ok(())
+}

@@ -1,0 +1,359 @@
+//! What light sampling is worth: errors of pictures over samples and over time, for ways to look for lights.
+//!
+//! Errors are those of [`super::compare`], less what the noise of the reference adds to them. Without a bias the mean
+//! square error times the time is constant; the gain of a way is how much smaller that product is than without light
+//! sampling, which is also the ratio of the mean square errors after equal times.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use super::compare::{Mismatch, Pair};
+use super::estimate::{Estimate, geometric_median};
+use super::reference::Reference;
+use super::sweep::{Spread, in_turn};
+use crate::film::Image;
+use crate::scene::{Baked, LightSampling};
+use crate::trace::{self, Progress, Run};
+
+/// What is measured, and how often.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Ways to look for lights.
+    pub ways: Vec<LightSampling>,
+    /// Samples per pixel of the pictures.
+    pub spps: Vec<u32>,
+    /// Pictures of each kind, with different seeds.
+    pub rounds: u32,
+    /// Worker threads; 0 means one per core.
+    pub threads: usize,
+}
+
+/// Where the reference comes from.
+pub enum Source {
+    /// Rendered with light sampling along geodesics, with this many samples per pixel.
+    Rendered(u32),
+    /// From elsewhere.
+    Given(Reference),
+}
+
+/// A way and a number of samples, measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// The way.
+    pub way: LightSampling,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Wall time of a render, seconds; the median.
+    pub seconds: f64,
+    /// Mean square error over pixels and `R`, `G`, `B`, radiance²; below 0 where the reference's noise hides it.
+    pub mse: Estimate,
+    /// Mean of (a − b)²/(b² + [`super::compare::EPSILON`]).
+    pub relmse: Estimate,
+    /// 99.9th percentile of the relative difference of pixels.
+    pub p999: f64,
+    /// Mean of the picture over that of the reference; `None` for a black reference.
+    pub mean: Option<Estimate>,
+    /// What is gained.
+    pub gain: Gain,
+}
+
+/// Product of error and time without light sampling, the median over the numbers of samples, over that of something
+/// else; `None` where one of them is unknown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// In the mean square error.
+    pub absolute: Option<Estimate>,
+    /// In the relative one.
+    pub relative: Option<Estimate>,
+}
+
+/// A way with all its numbers of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Way {
+    /// Which one.
+    pub way: LightSampling,
+    /// By samples per pixel, as in the plan.
+    pub measurements: Vec<Measurement>,
+    /// The median over `measurements`.
+    pub gain: Gain,
+}
+
+/// One picture, measured.
+#[derive(Clone, Copy)]
+struct Shot {
+    seconds: f64,
+    mse: f64,
+    relmse: f64,
+    p999: f64,
+    mean: f64,
+}
+
+/// Measures `plan` on `scene`, in the size that its settings say; `progress` is told from worker threads how many of
+/// how many camera paths are done.
+///
+/// # Errors
+/// If the reference is of other pixels than the scene's.
+pub fn sweep(
+    scene: Baked,
+    plan: &Plan,
+    source: Source,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Vec<Way>, Mismatch> {
+    let pixels = scene.settings.width * scene.settings.height;
+    let samples: u64 = plan.spps.iter().map(|&spp| u64::from(spp)).sum();
+    let pictures = (plan.ways.len() as u64).saturating_mul(plan.rounds.into());
+    let mut bench = Bench {
+        seeds: Seeds { last: scene.settings.seed, taken: None },
+        scene,
+        threads: plan.threads,
+        progress,
+        done: 0,
+        total: samples.saturating_mul(pictures).saturating_mul(pixels as u64),
+    };
+    let reference = match source {
+        Source::Rendered(spp) => bench.reference(spp),
+        Source::Given(reference) => {
+            bench.seeds.taken = seed(&reference.image);
+            reference
+        }
+    };
+    // Ways side by side, so that they are compared under the same load.
+    let settings: Vec<(LightSampling, u32)> =
+        plan.spps.iter().flat_map(|&spp| plan.ways.iter().map(move |&way| (way, spp))).collect();
+    let mut stacks: Vec<Stack> = settings.iter().map(|_| Stack::new(pixels)).collect();
+    let shots = in_turn(settings.len(), plan.rounds, &|_, _| {}, |index| {
+        let (way, spp) = settings[index];
+        let (image, seconds) = bench.render(way, spp);
+        stacks[index].add(&image);
+        Shot::of(&image, seconds, &reference)
+    });
+    let shots: Vec<Vec<Shot>> =
+        shots.into_iter().map(|shots| shots.into_iter().collect()).collect::<Result<_, _>>()?;
+
+    let of_way = |way: usize| (0..plan.spps.len()).map(move |spp| spp * plan.ways.len() + way);
+    let costs = |way: usize, error: fn(&Shot) -> f64| -> Vec<Vec<f64>> {
+        let cost = |shot: &Shot| error(shot) * shot.seconds;
+        of_way(way).map(|index| shots[index].iter().map(cost).collect()).collect()
+    };
+    let errors: [fn(&Shot) -> f64; 2] = [|shot| shot.mse, |shot| shot.relmse];
+    let off = plan.ways.iter().position(|&way| way == LightSampling::Off);
+    let without = errors.map(|error| off.and_then(|off| medians(&costs(off, error))));
+    let measured = plan.ways.iter().enumerate().map(|(place, &way)| {
+        let [absolute, relative] =
+            [0, 1].map(|kind: usize| Gains::of(&costs(place, errors[kind]), without[kind].as_deref()));
+        let measurement = |(spp, index): (usize, usize)| Measurement {
+            gain: Gain { absolute: absolute.single[spp], relative: relative.single[spp] },
+            mean: stacks[index].mean_over(&shots[index], &reference),
+            ..Measurement::of(way, plan.spps[spp], &shots[index])
+        };
+        Way {
+            way,
+            measurements: of_way(place).enumerate().map(measurement).collect(),
+            gain: Gain { absolute: absolute.median, relative: relative.median },
+        }
+    });
+    Ok(measured.collect())
+}
+
+/// For every round the median over the numbers of samples, by which `costs` are ordered.
+fn medians(costs: &[Vec<f64>]) -> Option<Vec<f64>> {
+    let rounds = costs.first()?.len();
+    (0..rounds).map(|round| geometric_median(costs.iter().map(|costs| costs[round]).collect())).collect()
+}
+
+/// Gains of a way in one kind of error.
+struct Gains {
+    /// By number of samples.
+    single: Vec<Option<Estimate>>,
+    median: Option<Estimate>,
+}
+
+impl Gains {
+    /// From the costs of a way by number of samples and round, and those without light sampling by round.
+    fn of(costs: &[Vec<f64>], without: Option<&[f64]>) -> Self {
+        let over = |costs: &[f64]| {
+            let ratios: Vec<f64> = without?.iter().zip(costs).map(|(off, cost)| off / cost).collect();
+            Estimate::geometric_mean(&ratios)
+        };
+        Self {
+            single: costs.iter().map(|costs| over(costs)).collect(),
+            median: medians(costs).and_then(|medians| over(&medians)),
+        }
+    }
+}
+
+impl Measurement {
+    /// All but the mean and the gain.
+    fn of(way: LightSampling, spp: u32, shots: &[Shot]) -> Self {
+        let all = |value: fn(&Shot) -> f64| shots.iter().map(value).collect::<Vec<f64>>();
+        Self {
+            way,
+            spp,
+            seconds: Spread::of(all(|shot| shot.seconds)).map_or(f64::NAN, |spread| spread.median),
+            mse: Estimate::mean(&all(|shot| shot.mse)),
+            relmse: Estimate::mean(&all(|shot| shot.relmse)),
+            p999: Estimate::mean(&all(|shot| shot.p999)).value,
+            mean: None,
+            gain: Gain { absolute: None, relative: None },
+        }
+    }
+
+    /// 1/(mean square error × time), 1/(radiance² s); `None` where the reference's noise hides the error.
+    pub fn efficiency(&self) -> Option<f64> {
+        (self.mse.value > 0.0).then(|| 1.0 / (self.mse.value * self.seconds))
+    }
+}
+
+impl Shot {
+    fn of(image: &Image, seconds: f64, reference: &Reference) -> Result<Self, Mismatch> {
+        let pair = Pair::new(("the picture", image), ("the reference", &reference.image))?;
+        let beauty = pair.compare().beauty.measures;
+        let noise = reference.noise.unwrap_or_default();
+        let value = |value: fn(&super::compare::Measures) -> f64| beauty.as_ref().map_or(f64::NAN, value);
+        Ok(Self {
+            seconds,
+            mse: value(|measures| measures.rmse.powi(2)) - noise.mse,
+            relmse: value(|measures| measures.relmse) - noise.relmse,
+            p999: p999((0..image.size.0 * image.size.1).map(|pixel| pair.relative(pixel)).collect()),
+            mean: value(|measures| measures.mean_a),
+        })
+    }
+}
+
+/// 99.9th percentile of those of `values` that are finite.
+fn p999(mut values: Vec<f64>) -> f64 {
+    values.retain(|value| value.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() * 999 / 1000).copied().unwrap_or(f64::NAN)
+}
+
+/// Sums over pictures of one kind, by pixel, of the mean of its colours and of the square of that.
+struct Stack(Vec<[f64; 2]>);
+
+impl Stack {
+    fn new(pixels: usize) -> Self {
+        Self(vec![[0.0; 2]; pixels])
+    }
+
+    fn add(&mut self, image: &Image) {
+        let planes = ["R", "G", "B"].map(|name| image.plane(name).unwrap_or_default());
+        for (pixel, [sum, squares]) in self.0.iter_mut().enumerate() {
+            let colors = planes.map(|plane| plane.get(pixel).map_or(0.0, |&value| f64::from(value)));
+            let mean = colors.iter().sum::<f64>() / 3.0;
+            if mean.is_finite() {
+                (*sum, *squares) = (*sum + mean, *squares + mean * mean);
+            }
+        }
+    }
+
+    /// Mean of the pictures over that of the reference; its error is that of pixels which are independent.
+    fn mean_over(&self, shots: &[Shot], reference: &Reference) -> Option<Estimate> {
+        let colors = ["R", "G", "B"].map(|name| reference.image.plane(name).unwrap_or_default());
+        let finite = colors.iter().flat_map(|plane| plane.iter()).filter(|value| value.is_finite());
+        let (sum, count) = finite.fold((0.0, 0), |(sum, count), &v| (sum + f64::from(v), count + 1));
+        let expected = sum / f64::from(count);
+        let mean = Estimate::mean(&shots.iter().map(|shot| shot.mean).collect::<Vec<f64>>()).value;
+        let ratio = mean / expected;
+        let noise = reference.noise.unwrap_or_default();
+        let error = self
+            .variance_of_mean(shots.len() as f64)
+            .map(|variance| (variance + ratio * ratio * noise.mean).sqrt() / expected.abs());
+        ratio.is_finite().then_some(Estimate { value: ratio, error })
+    }
+
+    /// Of the mean over all `n` pictures and their pixels.
+    fn variance_of_mean(&self, n: f64) -> Option<f64> {
+        let of_pixel = |[sum, squares]: &[f64; 2]| (squares - sum * sum / n).max(0.0) / (n - 1.0) / n;
+        let pixels = self.0.len() as f64;
+        (n > 1.0).then(|| self.0.iter().map(of_pixel).sum::<f64>() / (pixels * pixels))
+    }
+}
+
+/// Where pictures are rendered.
+struct Bench<'a> {
+    scene: Baked,
+    threads: usize,
+    seeds: Seeds,
+    progress: &'a (dyn Fn(Progress) + Sync),
+    /// Camera paths.
+    done: u64,
+    total: u64,
+}
+
+impl Bench<'_> {
+    /// A picture with a seed of its own, and the seconds that it took.
+    fn render(&mut self, way: LightSampling, spp: u32) -> (Image, f64) {
+        let settings = &mut self.scene.settings;
+        (settings.light_sampling, settings.spp, settings.seed) = (way, spp, self.seeds.next());
+        let (done, total) = (self.done, self.total);
+        let progress = |now: Progress| (self.progress)(Progress { done: done + now.done, total });
+        let run = Run { threads: self.threads, ..Run::default() };
+        let started = Instant::now();
+        let image = trace::render(&self.scene, &run, &AtomicBool::new(false), &progress).image;
+        let seconds = started.elapsed().as_secs_f64();
+        self.done += (self.scene.settings.width * self.scene.settings.height) as u64 * u64::from(spp);
+        (image, seconds)
+    }
+
+    /// The reference, of `spp` samples in all.
+    fn reference(&mut self, spp: u32) -> Reference {
+        let half = spp.div_ceil(2);
+        let pixels = (self.scene.settings.width * self.scene.settings.height) as u64;
+        self.total = self.total.saturating_add(2 * u64::from(half) * pixels);
+        let [(first, _), (second, _)] = [(); 2].map(|()| self.render(LightSampling::Geodesic, half));
+        Reference::of_halves(first, &second)
+    }
+}
+
+/// Seeds that no two pictures share.
+struct Seeds {
+    last: u64,
+    /// The seed of a reference from elsewhere.
+    taken: Option<u64>,
+}
+
+impl Seeds {
+    fn next(&mut self) -> u64 {
+        self.last = self.last.wrapping_add(1);
+        if self.taken == Some(self.last) {
+            self.last = self.last.wrapping_add(1);
+        }
+        self.last
+    }
+}
+
+/// The seed that `image` was rendered with, if it says so.
+fn seed(image: &Image) -> Option<u64> {
+    image.attributes.iter().find(|(name, _)| name == "seed")?.1.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_picture_has_the_seed_of_the_reference_or_of_another() {
+        let mut seeds = Seeds { last: u64::MAX - 1, taken: Some(1) };
+        assert_eq!([(); 4].map(|()| seeds.next()), [u64::MAX, 0, 2, 3]);
+    }
+
+    #[test]
+    fn the_gain_of_a_way_over_itself_is_one() {
+        let costs = vec![vec![1.0, 2.0], vec![4.0, 2.0], vec![2.0, 3.0], vec![3.0, 8.0]];
+        let gains = Gains::of(&costs, medians(&costs).as_deref());
+        assert!((gains.median.unwrap().value - 1.0).abs() < 1e-12);
+        assert!((gains.median.unwrap().error.unwrap()).abs() < 1e-12);
+        let tenth: Vec<Vec<f64>> = costs.iter().map(|c| c.iter().map(|c| 0.1 * c).collect()).collect();
+        let gains = Gains::of(&tenth, medians(&costs).as_deref());
+        assert!((gains.median.unwrap().value - 10.0).abs() < 1e-12);
+        assert!(Gains::of(&costs, None).median.is_none());
+    }
+
+    #[test]
+    fn the_quantile_leaves_one_in_a_thousand_above() {
+        let mut values: Vec<f64> = (0..2000).rev().map(f64::from).collect();
+        values.push(f64::NAN);
+        assert_eq!(p999(values), 1998.0);
+        assert!(p999(Vec::new()).is_nan());
+    }
+}
