@@ -3,21 +3,22 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset, shade, geometry →
-/// geodesic → spacetime → math.
-const ALLOWED: [(&str, &[&str]); 12] = [
+/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset, light → shade,
+/// geometry → geodesic → spacetime → math.
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("math", &[]),
     ("spacetime", &["math"]),
     ("geodesic", &["spacetime", "math"]),
     ("geometry", &["geodesic", "math"]),
     ("shade", &["math"]),
+    ("light", &["shade", "geometry", "geodesic", "spacetime", "math"]),
     ("asset", &["geometry", "shade", "math"]),
     ("film", &["math"]),
-    ("scene", &["asset", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("trace", &["scene", "film", "shade", "geometry", "geodesic", "spacetime", "math"]),
+    ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
+    ("trace", &["scene", "film", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("plot", &["film"]),
     ("study", &["trace", "scene", "film", "plot", "geometry", "geodesic", "spacetime", "math"]),
-    ("cli", &["study", "trace", "scene", "film", "plot", "shade", "geometry"]),
+    ("cli", &["study", "trace", "scene", "film", "plot", "light", "shade", "geometry"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

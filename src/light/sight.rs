@@ -126,6 +126,11 @@ impl<M: ConformallyFlat> Lensed<M> {
         let lens = Lens::new(&medium, TOLERANCE)?;
         Some(Self { medium, center, lens, windings: max_winding + 1 })
     }
+
+    /// Whether a place lies within the horizon, where no ray ends, or upon it.
+    fn is_hidden(&self, place: &Place) -> bool {
+        !place.is_infinite && place.position.distance(self.center) <= self.medium.horizon()
+    }
 }
 
 impl<M: ConformallyFlat> Sight for Lensed<M> {
@@ -153,11 +158,17 @@ impl<M: ConformallyFlat> Sight for Lensed<M> {
     }
 
     fn link(&self, x: &Place, y: &Place, winding: u32) -> Option<Link> {
+        if self.is_hidden(y) {
+            return None;
+        }
         let found = self.lens.connect(&x.site, &y.site, winding)?;
         Some(Link { direction: found.direction, arrival: found.arrival, spread: found.spread })
     }
 
     fn aim(&self, x: &Place, y: &Place, winding: u32) -> DVec3 {
+        if self.is_hidden(y) {
+            return (y.position - x.position).normalize_or_zero();
+        }
         self.lens.aim(&x.site, &y.site, winding)
     }
 

@@ -77,8 +77,9 @@ mod tests {
             let x = -1.0 + 0.03 * f64::from(i);
             let (f, slope) = ((1.0 + x).exp() / (2.0 + x), (1.0 + x).exp() * (1.0 + x) / (2.0 + x).powi(2));
             let [value, derivative] = fit.at(x);
+            // Towards the ends rounding of the derivative grows as the square of the number of terms.
             assert!(
-                (value - f).abs() < 1e-14 && (derivative - slope).abs() < 1e-12,
+                (value - f).abs() < 1e-14 && (derivative - slope).abs() < 3e-12,
                 "{x}: {value} {derivative}"
             );
         }
