@@ -55,8 +55,8 @@ pub enum Target {
     /// Nothing.
     #[default]
     Nothing,
-    /// A primitive, met on its front or on its back.
-    Surface(PrimitiveId, bool),
+    /// A point of a primitive.
+    Surface(PrimitiveId, DVec3),
     /// Infinity.
     Infinity,
     /// A point in the world, by its place among the lights without extent.
@@ -226,7 +226,7 @@ impl Lights {
         let density = share * chance * odds * spot.density / (link.spread * cos.abs());
         Some(LightSample {
             direction: link.direction,
-            target: Target::Surface(emitter.primitive, cos > 0.0),
+            target: Target::Surface(emitter.primitive, spot.position),
             light: Incoming::Radiance(emitter.radiance, density),
         })
     }

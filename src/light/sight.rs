@@ -50,6 +50,10 @@ pub trait Sight: Send + Sync {
     /// Winding number and spread of a ray that leaves `x` in `direction` and arrives at `y` travelling along `arrival`.
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)>;
 
+    /// Whether a ray that ends at `end`, on the primitive that it was aimed at, ends where it was aimed at, `at`, rather
+    /// than where it meets the same primitive on its way there.
+    fn is_there(&self, at: DVec3, end: DVec3) -> bool;
+
     /// Area in the static frame over area in the chart, at a place.
     fn area_scale(&self, y: &Place) -> f64;
 
@@ -96,6 +100,11 @@ impl Sight for Straight {
         Some((0, spread))
     }
 
+    fn is_there(&self, _: DVec3, _: DVec3) -> bool {
+        // What a straight ray meets twice it leaves on the side that is not lit.
+        true
+    }
+
     fn area_scale(&self, _: &Place) -> f64 {
         1.0
     }
@@ -115,6 +124,9 @@ pub struct Lensed<M> {
 
 /// Relative error of connections: far below what their rays are traced with.
 const TOLERANCE: f64 = 1e-6;
+/// How far from where it was aimed at a ray may end, relative to the distance from the centre: far more than its error
+/// and far less than there is between two crossings of a surface.
+const NEAR: f64 = 0.03;
 /// Weight, beside that of the near way, of a ray that goes around, at least; it is weak but easily missed otherwise.
 const LEAST_ODDS: f64 = 0.02;
 /// The same of rays that go around more than once.
@@ -174,6 +186,10 @@ impl<M: ConformallyFlat> Sight for Lensed<M> {
 
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)> {
         self.lens.ray(&x.site, direction, &y.site, arrival)
+    }
+
+    fn is_there(&self, at: DVec3, end: DVec3) -> bool {
+        at.distance_squared(end) <= NEAR * NEAR * end.distance_squared(self.center)
     }
 
     fn area_scale(&self, y: &Place) -> f64 {

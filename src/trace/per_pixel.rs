@@ -52,7 +52,7 @@ fn trace_path<T: Transport>(
             samples,
         );
         if let Some(illumination) = illumination {
-            match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+            match light::settle(illumination, transport, (&flight, &step, found), &vertex) {
                 Ok(next) => flight = next,
                 Err(is_reached) => match gather(&mut path, &mut vertex, is_reached) {
                     Some(direction) => {

@@ -140,7 +140,7 @@ impl<T: Transport> Wavefront<T> {
             }
             if let Some(illumination) = illumination {
                 let vertex = self.vertices.get(lane);
-                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+                match light::settle(illumination, transport, (&flight, &step, found), &vertex) {
                     Ok(next) => self.flights.set(lane, next),
                     Err(is_reached) => events.lit.push((lane, is_reached)),
                 }

@@ -7,7 +7,7 @@ use super::super::path::Path;
 use super::super::transport::{Found, Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
-use crate::geometry::{Geometry, Segment, SurfacePoint};
+use crate::geometry::Segment;
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
@@ -60,13 +60,11 @@ pub fn propose(
 /// Where a light ray stands after a move: flying on, or ended at its target or not.
 #[inline]
 pub fn settle<T: Transport>(
-    job: &Job,
     illumination: &Illumination,
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
 ) -> Result<T::Flight, bool> {
-    let geometry = &job.scene.geometry;
     let point = match vertex.target {
         Target::Point(index) => illumination.lights.point(index),
         _ => None,
@@ -76,7 +74,7 @@ pub fn settle<T: Transport>(
     }
     match transport.settle(None, flight, step, found) {
         Outcome::Flying(next) => Ok(next),
-        Outcome::Landed(landing) => Err(is_met(geometry, vertex.target, &landing)),
+        Outcome::Landed(landing) => Err(is_met(illumination, vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(_) => Err(matches!(vertex.target, Target::Infinity | Target::Point(_))),
         Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Err(false),
@@ -98,14 +96,10 @@ fn passes<T: Transport>(
         && found.is_none_or(|found| course.parameter_beside(found.point) > s)
 }
 
-/// Whether a landing is on the side of the primitive that was aimed at.
-fn is_met(geometry: &Geometry, target: Target, landing: &Landing) -> bool {
-    let Target::Surface(primitive, front) = target else { return false };
-    if landing.primitive != primitive {
-        return false;
-    }
-    let SurfacePoint { normal, .. } = geometry.surface_point(primitive, landing.position);
-    (landing.direction.dot(normal) < 0.0) == front
+/// Whether a landing is where the ray was aimed at.
+fn is_met(illumination: &Illumination, target: Target, landing: &Landing) -> bool {
+    let Target::Surface(primitive, position) = target else { return false };
+    landing.primitive == primitive && illumination.sight.is_there(position, landing.position)
 }
 
 /// The share that light sampling leaves of light that the last bounce found: from a surface, or at infinity in
