@@ -32,7 +32,7 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → study → plot → film, trace → scene → asset, light → shade, geometry → geodesic → spacetime → math`.
+//! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`.
 #![warn(clippy::all)]
 
 pub mod asset;

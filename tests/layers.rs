@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset, light → shade,
+/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset → light → shade,
 /// geometry → geodesic → spacetime → math.
 const ALLOWED: [(&str, &[&str]); 13] = [
     ("math", &[]),
@@ -12,7 +12,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("geometry", &["geodesic", "math"]),
     ("shade", &["math"]),
     ("light", &["shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("asset", &["geometry", "shade", "math"]),
+    ("asset", &["light", "geometry", "shade", "math"]),
     ("film", &["math"]),
     ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),

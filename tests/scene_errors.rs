@@ -208,8 +208,67 @@ fn values_without_meaning_show_their_line() {
             "[[material]]\nname = \"porcelain\"\n\n[[entity]]",
             "a second material is named `porcelain`",
         ),
+        ("material = \"porcelain\"", "light_scale = 1", "`light_scale` is for a `gltf`"),
+        (
+            "sphere = { center = [3, 0, 0], radius = 1 }\nmaterial = \"porcelain\"",
+            "gltf = \"gone.glb\"\nlight_scale = -1",
+            "light_scale must not be negative",
+        ),
     ] {
         assert_located(from, to, &[expected]);
+    }
+}
+
+#[test]
+fn lights_without_meaning_show_their_line() {
+    let shape = "sphere = { center = [3, 0, 0], radius = 1 }\nmaterial = \"porcelain\"\n";
+    for (light, expected) in [
+        ("kind = \"point\", intensity = 1", "a point light needs `position`"),
+        ("kind = \"point\", position = [0, 5, 0]", "a point light needs `intensity`"),
+        ("kind = \"spot\", position = [0, 5, 0], intensity = 1", "a spot light needs `direction`"),
+        ("kind = \"distant\", direction = [0, 1, 0]", "a distant light needs `irradiance`"),
+        ("position = [0, 5, 0], intensity = 1", "missing field `kind`"),
+        ("kind = \"pont\", position = [0, 5, 0], intensity = 1", "did you mean `point`?"),
+        ("kind = \"point\", positon = [0, 5, 0], intensity = 1", "did you mean `position`?"),
+        ("kind = \"point\", position = [0, 5, 0], intensity = -1", "intensity must be between 0 and 1e18"),
+        ("kind = \"point\", position = [0, inf, 0], intensity = 1", "position must be finite"),
+        ("kind = \"distant\", direction = [0, 0, 0], irradiance = 1", "direction has no direction"),
+        (
+            "kind = \"point\", position = [0, 5, 0], intensity = 1, direction = [0, 1, 0]",
+            "a point light has no `direction`\n",
+        ),
+        (
+            "kind = \"distant\", direction = [0, 1, 0], intensity = 1",
+            "help: remove it; beside `kind` there are `direction`, `irradiance`",
+        ),
+        (
+            "kind = \"point\", position = [0, 5, 0], intensity = 1, outer_angle = 3",
+            "a point light has no `outer_angle`",
+        ),
+        (
+            "kind = \"spot\", position = [0, 5, 0], direction = [0, -1, 0], intensity = 1, outer_angle = 91",
+            "outer_angle must be at most 90, not 91",
+        ),
+        (
+            "kind = \"spot\", position = [0, 5, 0], direction = [0, -1, 0], intensity = 1, inner_angle = 46",
+            "the inner angle 46 is greater than the outer one, 45",
+        ),
+        (
+            "kind = \"spot\", position = [0, 5, 0], direction = [0, -1, 0], intensity = 1, inner_angle = -1",
+            "inner_angle must not be negative",
+        ),
+    ] {
+        assert_located(shape, &format!("light = {{ {light} }}\n"), &[expected]);
+    }
+    let light = "light = { kind = \"point\", position = [0, 5, 0], intensity = 1 }\n";
+    for (also, expected) in [
+        ("material = \"porcelain\"\n", "a `light` has no surface, so no `material`"),
+        ("emission = 3\n", "a `light` has no surface, so no `emission`"),
+        ("light_scale = 1\n", "`light_scale` is for a `gltf`"),
+        ("mesh = \"gone.obj\"\n", "more than one shape"),
+        ("transform = { translate = [9e17, 0, 0], scale = 3e17 }\n", "position or direction is not usable"),
+    ] {
+        assert_located(shape, &format!("{light}{also}"), &[expected]);
     }
 }
 
@@ -219,6 +278,9 @@ fn an_empty_scene_says_what_to_add() {
         let message = failure(load_text(text));
         assert!(message.contains("the scene is empty"), "{message}");
     }
+    let light = "[[entity]]\nlight = { kind = \"point\", position = [0, 0, 0], intensity = 1 }\n";
+    let message = failure(load_text(light));
+    assert!(message.contains("the scene is empty"), "{message}");
 }
 
 #[test]
@@ -231,6 +293,16 @@ fn a_lit_environment_alone_is_a_scene() {
 fn a_scene_without_light_is_a_warning() {
     let baked = load_text(&GOOD.replace("color = [1, 1, 1]", "color = 0")).ok().unwrap();
     assert_eq!(baked.warnings, ["nothing emits light: the picture will be black"]);
+}
+
+#[test]
+fn a_light_without_extent_is_light() {
+    let dark = GOOD.replace("color = [1, 1, 1]", "color = 0");
+    for (intensity, warnings) in [(1, 0), (0, 1)] {
+        let light = format!("light = {{ kind = \"point\", position = [0, 5, 0], intensity = {intensity} }}");
+        let baked = load_text(&format!("{dark}\n[[entity]]\n{light}\n")).ok().unwrap();
+        assert_eq!((baked.punctual.len(), baked.warnings.len()), (1, warnings), "{:?}", baked.warnings);
+    }
 }
 
 #[test]

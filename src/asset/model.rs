@@ -3,6 +3,7 @@
 use glam::DAffine3;
 
 use crate::geometry::Mesh;
+use crate::light::Punctual;
 use crate::shade::Material;
 
 /// What an OBJ or glTF file holds.
@@ -31,6 +32,8 @@ pub struct Node {
     pub parts: Vec<Part>,
     /// A camera placed here.
     pub lens: Option<Lens>,
+    /// A light placed here, in this node's space; photometric: candela, or lux if distant.
+    pub light: Option<Punctual>,
 }
 
 /// A mesh and its material.

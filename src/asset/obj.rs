@@ -80,6 +80,7 @@ fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<u
             to_parent: DAffine3::IDENTITY,
             parts: vec![part],
             lens: None,
+            light: None,
         }),
     }
     Ok(dropped)

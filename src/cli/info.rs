@@ -10,6 +10,7 @@ use super::stages::{self, Stage};
 use super::units::{bytes, plural};
 use super::{Outcome, cost, memory, print};
 use crate::geometry::Counts;
+use crate::light::Punctual;
 use crate::scene::{self, Baked, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
 
@@ -38,6 +39,7 @@ struct Report<'a> {
     spacetime: Spacetime,
     geometry: Shapes,
     materials: Materials,
+    lights: Lights,
     environment: String,
     camera: View,
     settings: &'a Settings,
@@ -74,6 +76,14 @@ struct Materials {
     emitting: usize,
 }
 
+/// Lights without extent.
+#[derive(Default, Serialize)]
+struct Lights {
+    point: usize,
+    spot: usize,
+    distant: usize,
+}
+
 #[derive(Serialize)]
 struct View {
     position: [f64; 3],
@@ -97,6 +107,7 @@ impl<'a> Report<'a> {
             spacetime: Spacetime::of(scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
+            lights: Lights::of(&scene.punctual),
             environment: environment(&scene.environment),
             camera: View {
                 position: scene.camera.position.to_array(),
@@ -118,6 +129,7 @@ impl<'a> Report<'a> {
             ("spacetime", self.spacetime.text()),
             ("geometry", self.geometry.text()),
             ("materials", self.materials.text()),
+            ("lights", self.lights.text()),
             ("environment", self.environment.clone()),
             ("camera", self.camera.text()),
             ("film", film(self.settings)),
@@ -208,6 +220,24 @@ impl Materials {
     }
 }
 
+impl Lights {
+    fn of(lights: &[Punctual]) -> Self {
+        lights.iter().fold(Self::default(), |mut counts, light| {
+            match light {
+                Punctual::Point { .. } => counts.point += 1,
+                Punctual::Spot { .. } => counts.spot += 1,
+                Punctual::Distant { .. } => counts.distant += 1,
+            }
+            counts
+        })
+    }
+
+    fn text(&self) -> String {
+        let Self { point, spot, distant } = self;
+        format!("{point} point, {spot} spot, {distant} distant")
+    }
+}
+
 impl View {
     fn text(&self) -> String {
         let (position, forward) = (point(&self.position), point(&self.forward));
@@ -266,7 +296,7 @@ fn point(coordinates: &[f64; 3]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec3, Vec3};
 
     use super::super::stages::tests::empty_scene;
     use super::*;
@@ -275,12 +305,22 @@ mod tests {
     fn the_text_tells_spacetime_view_film_stages_and_warnings() {
         let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 4.0 };
         let mut scene = empty_scene(hole);
+        let point = Punctual::Point { position: DVec3::ZERO, intensity: Vec3::ONE };
+        let spot = Punctual::Spot {
+            position: DVec3::ZERO,
+            direction: DVec3::X,
+            intensity: Vec3::ONE,
+            cos_inner: 0.9,
+            cos_outer: 0.8,
+        };
+        scene.punctual = vec![point, spot, point];
         scene.warnings.push("`fog` is not understood".to_owned());
         let text = Report::of("a.toml".to_owned(), &scene).text();
         let expected = [
             "scene        a.toml",
             "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1.0000, photon sphere 3.7321",
             "1 diffuse, 0 mirror, 0 dielectric; 0 of them emit",
+            "lights       2 point, 1 spot, 0 distant",
             "at (0, 0, 5) along (0, 0, -1)",
             "640x480, 64 spp, tent filter, sobol sampler, seed 0",
             "AOVs       not run  none asked for",
@@ -293,11 +333,13 @@ mod tests {
 
     #[test]
     fn the_json_holds_the_same() {
-        let scene = empty_scene(SpacetimeKind::Flat);
+        let mut scene = empty_scene(SpacetimeKind::Flat);
+        scene.punctual = vec![Punctual::Distant { direction: DVec3::X, irradiance: Vec3::ONE }];
         let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene)).unwrap();
         assert_eq!(json["spacetime"]["kind"], "flat");
         assert_eq!(json["settings"]["stepper"], "rkn6");
         assert_eq!(json["stages"][0]["runs"], false);
         assert_eq!(json["materials"]["diffuse"], 1);
+        assert_eq!(json["lights"], serde_json::json!({ "point": 0, "spot": 0, "distant": 1 }));
     }
 }

@@ -95,7 +95,10 @@ fn scatter(scene: &Baked) -> Stage {
 }
 
 fn lights(scene: &Baked) -> Stage {
-    if scene.environment.is_black() && !scene.materials.iter().any(|material| material.emits()) {
+    let lit = !scene.environment.is_black()
+        || scene.materials.iter().any(|material| material.emits())
+        || scene.punctual.iter().any(|light| light.emits());
+    if !lit {
         stage("light", false, "no lights: the picture will be black")
     } else {
         stage("light", true, "paths that meet light count it")
@@ -124,6 +127,7 @@ pub(super) mod tests {
             geometry: Geometry::build(Primitives::default()),
             materials: vec![Material::default()],
             entities: Vec::new(),
+            punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
             punctual: Vec::new(),
             settings: Settings::default(),

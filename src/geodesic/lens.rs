@@ -53,10 +53,8 @@ pub struct Lens {
     inside: Chebyshev,
     /// w(s), over the inverse radius of the photon sphere: its inverse is s without cancellation.
     place: Chebyshev,
-    /// Gauss–Legendre rules, the number of nodes growing.
-    rules: Vec<Vec<(Lanes, Lanes)>>,
-    /// What a rule must resolve: −½ ln of the relative error.
-    digits: f64,
+    /// Rules of integration, the number of nodes growing.
+    rules: Vec<Rule>,
     /// Relative change of a root that ends its search.
     enough: f64,
     /// (κ − 1) B/b_c far away.
@@ -109,6 +107,15 @@ struct Track {
     rate: f64,
 }
 
+/// A Gauss–Legendre rule for functions whose singularities are π/2 or farther from the real axis.
+#[derive(Clone, Debug)]
+struct Rule {
+    /// Half the longest interval on which it is good enough.
+    reach: f64,
+    /// Nodes on [−1, 1] and weights, in groups.
+    nodes: Vec<(Lanes, Lanes)>,
+}
+
 /// Terms of the polynomials: enough for rounding.
 const TERMS: usize = 48;
 /// Numbers of nodes, multiples of [`LANES`].
@@ -154,9 +161,8 @@ impl Lens {
             outside,
             inside: stretch(-1.0, 0.0),
             place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
-            rules: RULES.map(rule).to_vec(),
-            digits: -0.5 * tolerance.ln(),
-            enough: tolerance.max(4.0 * f64::EPSILON),
+            rules: RULES.map(|count| Rule::new(count, tolerance)).to_vec(),
+            enough: (10.0 * tolerance).max(4.0 * f64::EPSILON),
         })
     }
 
@@ -184,7 +190,8 @@ impl Lens {
         let angle = sin.atan2(x.radial.dot(y.radial));
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
         let swept = if odd { turns + (PI - angle) } else { (turns + angle).max(RADIAL) };
-        let track = self.track(x, y, swept)?;
+        let half = sin / (1.0 + x.radial.dot(y.radial));
+        let track = self.track(x, y, swept, half)?;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
         let vector = |site: &Site, [cos, sin]: [f64; 2]| {
@@ -216,7 +223,7 @@ impl Lens {
         let along = if odd { -axis } else { axis }.cross(y.radial);
         let reversed = y.q > x.q;
         let (near, far) = if reversed { (y, x) } else { (x, y) };
-        let gamma = self.guess(near, far, angle);
+        let gamma = self.guess(near, far, angle, sin / (1.0 + x.radial.dot(y.radial)));
         let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
         let [cos, sin] = if is_weak {
             let d = distance(near, far, gamma);
@@ -265,7 +272,7 @@ impl Lens {
     }
 
     /// The ray from `x` to `y` that sweeps an angle.
-    fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
+    fn track(&self, x: &Site, y: &Site, swept: f64, half: f64) -> Option<Track> {
         if (x.s > 0.0) != (y.s > 0.0) {
             // ln(m − 1), in which φ has a linear and an exponential end.
             let (low, high) = (-64.0, 64.0);
@@ -286,7 +293,7 @@ impl Lens {
             (1.0 - s2).atan2((s2 * (2.0 - s2)).sqrt())
         };
         let most = PI - critical(near) - critical(far);
-        let guess = if swept < 0.9 * most { self.guess(near, far, swept) } else { swept };
+        let guess = if swept < 0.9 * most { self.guess(near, far, swept, half) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * (-swept).exp()) };
         root((0.0, most, guess), self.enough, |gamma| {
             let track = self.beside(near, far, gamma)?;
@@ -294,19 +301,23 @@ impl Lens {
             // Towards the critical ray e^−φ is linear in γ.
             let excess = track.swept - swept;
             let shift =
-                if excess > -1.0 { excess.exp_m1().min(1e3 + excess) / slope } else { excess / slope };
+                if excess.abs() < 0.5 { excess * (1.0 + 0.5 * excess) } else { excess.exp_m1().min(1e3) };
+            let shift = shift / slope;
             Some((track, shift, excess))
         })
         .map(|track| oriented(track, reversed))
     }
 
-    /// The straight angle of a weakly bent ray: κ is 1 + c q to first order, and q adds up to the sum of both ends' times
-    /// the tangent of half the angle.
-    fn guess(&self, near: &Site, far: &Site, swept: f64) -> f64 {
+    /// The straight angle of a weakly bent ray that sweeps an angle whose half has the tangent `half`: κ is 1 + c q to
+    /// first order, and q adds up along the line to the sum of both ends' times that tangent.
+    fn guess(&self, near: &Site, far: &Site, swept: f64, half: f64) -> f64 {
         let bend = self.weak * self.critical * (near.q + far.q);
-        let first = swept - bend * (0.5 * swept).tan();
-        first
-            - (first + bend * (0.5 * first).tan() - swept) / (1.0 + 0.5 * bend / (0.5 * first).cos().powi(2))
+        let first = bend * half;
+        // The tangent at the first guess, by its derivatives.
+        let slope = 0.5 * (1.0 + half * half);
+        let less = half - first * slope * (1.0 - 0.5 * first * half);
+        let slope = 0.5 * (1.0 + less * less);
+        swept - first - (bend * less - first) / (1.0 + bend * slope)
     }
 
     /// The ray between two places on the same side of the photon sphere that sweeps the angle `gamma` as a straight
@@ -394,12 +405,9 @@ impl Lens {
             if sinh < 0.0 { 1.0 / larger } else { larger }
         });
         let (middle, half) = (first.sqrt() * last.sqrt(), 0.5 * (last / first).ln());
-        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3].
-        let wanted = self.digits / (0.5 * PI / half.max(1e-3)).asinh();
-        let longest = RULES.len() - 1;
-        let rule = RULES.iter().position(|&nodes| nodes as f64 >= wanted).unwrap_or(longest);
+        let rule = self.rules.iter().find(|rule| half <= rule.reach).or(self.rules.last());
         let mut sums = [0.0; 2];
-        for (x, weight) in &self.rules[rule] {
+        for (x, weight) in rule.iter().flat_map(|rule| &rule.nodes) {
             let grown = x.map(|x| middle * (half * x).exp());
             let shrunk = grown.map(|grown| 1.0 / grown);
             let values = f(
@@ -415,11 +423,16 @@ impl Lens {
     }
 }
 
-/// `count` nodes and weights in groups.
-fn rule(count: usize) -> Vec<(Lanes, Lanes)> {
-    let nodes = gauss_legendre(count);
-    let group = |group: &[(f64, f64); LANES]| (group.map(|node| node.0), group.map(|node| node.1));
-    nodes.as_chunks().0.iter().map(group).collect()
+impl Rule {
+    fn new(count: usize, tolerance: f64) -> Self {
+        let nodes = gauss_legendre(count);
+        let group = |group: &[(f64, f64); LANES]| (group.map(|node| node.0), group.map(|node| node.1));
+        Self {
+            // The largest ellipse that keeps off the singularities [Trefethen 2013, th. 19.3].
+            reach: 0.5 * PI / (-0.5 * tolerance.ln() / count as f64).sinh(),
+            nodes: nodes.as_chunks().0.iter().map(group).collect(),
+        }
+    }
 }
 
 impl Site {
@@ -432,7 +445,11 @@ impl Site {
 /// [`Connection::spread`] of a track from `x` to `y`.
 fn spread(x: &Site, y: &Site, track: &Track) -> f64 {
     let far = if y.w > 0.0 { y.w * y.w } else { 1.0 };
-    track.b * x.q * x.q * far / (track.swept.sin().abs() * track.rate)
+    // Where places are in line, the sine is that of their angle rather than of what was found; a radial ray has neither.
+    let sin = x.radial.cross(y.radial).length();
+    let is_radial = sin < RADIAL && x.radial.dot(y.radial) > 0.0;
+    let sin = if is_radial { track.swept.sin().abs() } else { sin };
+    track.b * x.q * x.q * far / (sin * track.rate)
 }
 
 /// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the

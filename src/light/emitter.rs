@@ -67,9 +67,14 @@ impl Emitter {
         }
     }
 
+    /// Whether its back cannot be seen from its front.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.shape, Shape::Sphere(_))
+    }
+
     /// Whether points depend on the view.
     pub fn needs_view(&self) -> bool {
-        matches!(self.shape, Shape::Sphere(_)) && self.cap.is_none()
+        self.is_closed() && self.cap.is_none()
     }
 
     /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
@@ -135,7 +140,7 @@ impl Emitter {
             (Shape::Sphere(sphere), Some(cap)) => TAU * sphere.radius * sphere.radius * (1.0 - cap.cos),
             (shape, _) => shape.area(),
         };
-        let sides = if self.both_sides && !matches!(self.shape, Shape::Sphere(_)) { 2.0 } else { 1.0 };
+        let sides = if self.both_sides && !self.is_closed() { 2.0 } else { 1.0 };
         let power = sides * PI * area * luminance(self.radiance);
         let both_sides = self.both_sides;
         Emission { min, max, power, axis, cos_normals, cos_emission: 0.0, both_sides }

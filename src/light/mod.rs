@@ -12,6 +12,7 @@
 //! sampled: both ways of finding light are then weighted by [`Heuristic`].
 
 mod emitter;
+mod guide;
 mod mis;
 mod punctual;
 mod sight;
@@ -23,6 +24,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 
 pub use emitter::{Cap, Emitter, Spot, View};
+pub use guide::{Guide, Photon};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
 pub use sight::{Lensed, Link, Place, Sight, Straight};
@@ -57,6 +59,8 @@ pub enum Target {
     Nothing,
     /// A point of a primitive.
     Surface(PrimitiveId, DVec3),
+    /// Whatever emits behind mirrors and glass.
+    Bent,
     /// Infinity.
     Infinity,
     /// A point in the world, by its place among the lights without extent.

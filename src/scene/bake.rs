@@ -1,44 +1,48 @@
 //! World → the flat tables that the tracer reads.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
 
-use super::components::{DiskShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
+use super::check::LARGEST;
+use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
 use super::error::Fault;
 use super::systems::{
-    Bounds, camera, disk_in_world, framing_camera, invertible, primitive_bounds, propagate_transforms,
-    sphere_in_world,
+    Bounds, camera, disk_in_world, framing_camera, invertible, light_in_world, primitive_bounds,
+    propagate_transforms, sphere_in_world,
 };
 use super::world::World;
 use super::{Baked, Camera, SpacetimeKind};
 use crate::geometry::{Geometry, Instance, Primitives, Surface};
+use crate::light::Punctual;
 
 /// Dissolves the entities into tables and builds the BVH.
 ///
 /// # Errors
-/// A shape that its transform makes singular, elliptic or too large; an unusable camera or one behind the horizon; a
-/// scene in which there is nothing to see.
+/// A shape that its transform makes singular, elliptic or too large; a light that is too far or too bright, or whose
+/// direction its transform loses; an unusable camera or one behind the horizon; a scene in which there is nothing to
+/// see.
 pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     let (primitives, shaped) = flatten(&mut world)?;
     if shaped.is_empty() && world.environment.is_black() {
         return Err(Fault::whole(
-            "the scene is empty: it has no entities and a black environment",
-            "add an [[entity]], or light with [environment]",
+            "the scene is empty: nothing has a surface, and the environment is black",
+            "add an [[entity]] that has a surface, or light with [environment]",
         ));
     }
     let boxes = primitive_bounds(&primitives);
     check_extent(&world, &boxes, &shaped)?;
     let camera = choose_camera(&mut world, &boxes)?;
     check_outside_horizon(&world, &camera)?;
-    warn_if_dark(&mut world, &primitives);
+    let punctual = lights(&world)?;
+    warn_if_dark(&mut world, &primitives, &punctual);
     Ok(Baked {
         spacetime: world.spacetime,
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry: Geometry::build(primitives),
         materials: world.materials,
+        punctual,
         environment: world.environment,
-        punctual: Vec::new(),
         settings: world.settings,
         warnings: world.warnings,
     })
@@ -86,6 +90,31 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
         shaped.push(entity);
     }
     Ok((primitives, shaped))
+}
+
+/// The lights without extent in the order of spawning.
+fn lights(world: &World) -> Result<Vec<Punctual>, Fault> {
+    let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();
+    let mut placed: Vec<_> = query.iter().collect();
+    placed.sort_by_key(|(entity, ..)| entity.id());
+    let in_world = |(entity, to_world, light): (Entity, &WorldTransform, &LightShape)| {
+        let light = light_in_world(*light, &to_world.0).ok_or_else(|| {
+            world.fault(
+                entity,
+                "the light's position or direction is not usable",
+                "place it no farther than 1e18 from the origin, with scales that are neither 0 nor huge",
+            )
+        })?;
+        if light.peak().cmple(Vec3::splat(LARGEST as f32)).all() {
+            return Ok(light);
+        }
+        Err(world.fault(
+            entity,
+            "the light is brighter than 1e18",
+            "use a smaller intensity or `light_scale`",
+        ))
+    };
+    placed.into_iter().map(in_world).collect()
 }
 
 fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {
@@ -144,7 +173,7 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
     }
 }
 
-fn warn_if_dark(world: &mut World, primitives: &Primitives) {
+fn warn_if_dark(world: &mut World, primitives: &Primitives, punctual: &[Punctual]) {
     let surfaces = primitives
         .spheres
         .iter()
@@ -153,7 +182,8 @@ fn warn_if_dark(world: &mut World, primitives: &Primitives) {
         .chain(primitives.instances.iter().map(|(_, surface)| surface));
     let lit = surfaces
         .filter_map(|surface| world.materials.get(surface.material as usize))
-        .any(|material| material.emits());
+        .any(|material| material.emits())
+        || punctual.iter().any(Punctual::emits);
     if !lit && world.environment.is_black() {
         world.warnings.push("nothing emits light: the picture will be black".to_owned());
     }

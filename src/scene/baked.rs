@@ -33,10 +33,10 @@ pub struct Baked {
     pub materials: Vec<Material>,
     /// Entity names, indexed by [`crate::geometry::Surface::entity`].
     pub entities: Vec<String>,
+    /// Lights without extent, in the order of the scene.
+    pub punctual: Vec<Punctual>,
     /// Light from infinity.
     pub environment: Environment,
-    /// Lights without extent.
-    pub punctual: Vec<Punctual>,
     /// Settings of the scene file, defaults filled in.
     pub settings: Settings,
     /// What was read but not understood, one line each.

@@ -6,6 +6,7 @@ use glam::DAffine3;
 use hecs::Entity;
 
 use crate::geometry::{Disk, Sphere};
+use crate::light::Punctual;
 
 /// Name in the file, for people and for the object-id AOV.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +43,10 @@ pub struct MaterialHandle(pub u32);
 /// Triangle meshes in entity space, each with its material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshShape(pub Vec<(MeshHandle, MaterialHandle)>);
+
+/// A light without extent, in entity space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightShape(pub Punctual);
 
 /// A perspective camera that looks along −Z of its entity, +Y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]

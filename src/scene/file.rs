@@ -206,6 +206,10 @@ pub struct EntityTable {
     pub gltf: Option<Text>,
     /// A flat annulus.
     pub disk: Option<DiskTable>,
+    /// A light without extent.
+    pub light: Option<Spanned<LightTable>>,
+    /// Factor on the lights of a glTF file; 1/683 if absent.
+    pub light_scale: Option<Number>,
     /// Placement; none if absent.
     pub transform: Option<Spanned<TransformTable>>,
     /// Name of a material; overrides those of a mesh or glTF file.
@@ -236,6 +240,49 @@ pub struct DiskTable {
     pub inner: Option<Number>,
     /// Outer radius.
     pub outer: Number,
+}
+
+/// `entity.light`; which keys there are depends on the kind.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LightTable {
+    /// Kind.
+    pub kind: LightName,
+    /// Position of a point or spot.
+    pub position: Option<Vector>,
+    /// Direction in which the light of a spot or distant light travels, of any length.
+    pub direction: Option<Vector>,
+    /// Intensity of a point, or of a spot on its axis: radiance × scene units².
+    pub intensity: Option<Spanned<Triple>>,
+    /// Irradiance by a distant light of a surface that faces it: radiance × steradian.
+    pub irradiance: Option<Spanned<Triple>>,
+    /// Half-angle of a spot's cone of full light, degrees; 0 if absent.
+    pub inner_angle: Option<Number>,
+    /// Half-angle of a spot's cone, degrees; 45 if absent.
+    pub outer_angle: Option<Number>,
+}
+
+/// `entity.light.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightName {
+    /// Alike in all directions.
+    Point,
+    /// A cone.
+    Spot,
+    /// At infinity.
+    Distant,
+}
+
+impl LightName {
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Spot => "spot",
+            Self::Distant => "distant",
+        }
+    }
 }
 
 /// `entity.transform`: scale first, then rotate, then translate.

@@ -10,6 +10,7 @@ mod check;
 pub mod components;
 mod error;
 mod file;
+mod light;
 mod overrides;
 mod populate;
 mod settings;
@@ -98,7 +99,7 @@ fn build(source: &SourceText, black_hole: Option<[f64; 4]>) -> Result<Baked, Fau
     if let Some(hole) = black_hole {
         replace_spacetime(&mut world, hole)?;
     }
-    if sky_if_dark && !world.materials.iter().any(|material| material.emits()) {
+    if sky_if_dark && !world.emits() {
         world.environment = populate::sky(1.0);
     }
     bake::bake(world)

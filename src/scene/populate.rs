@@ -7,13 +7,14 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec3};
 use toml::Spanned;
 
 use super::check;
-use super::components::{CameraLens, DiskShape, MaterialHandle, SphereShape};
+use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, SphereShape};
 use super::error::{Fault, suggestion};
 use super::file::{
     CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
     RenderTable, Rotation, SceneFile, SkyName, SpacetimeName, SpacetimeTable, SphereTable, Text,
     TransformTable,
 };
+use super::light::light;
 use super::world::{Look, ModelFormat, World};
 use super::{Camera, MAX_WINDING, Settings, SpacetimeKind};
 use crate::asset::load_image;
@@ -28,6 +29,9 @@ const MAX_PIXELS: usize = 1 << 28;
 const DEFAULT_ALBEDO: f32 = 0.8;
 /// Index of refraction of a dielectric that does not say.
 const DEFAULT_IOR: f64 = 1.5;
+/// Factor on the lights of a glTF file that does not say: candela to W/sr at 683 lm/W, with which Blender multiplies
+/// the power of lights, but not the emission of materials.
+const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
 
 /// Builds the world of a scene file; paths in it are relative to `folder`.
 pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
@@ -280,6 +284,7 @@ fn spawn(
     let span = table.span();
     let table = table.into_inner();
     check_one_shape(&table, span.clone())?;
+    check_company(&table)?;
     let look = look(&table, materials)?;
     let placement =
         table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
@@ -300,6 +305,9 @@ fn spawn(
         let shape = (DiskShape(disk(table)?), own_material(world, look));
         let _ = world.entities.insert(entity, shape);
     }
+    if let Some(table) = &table.light {
+        let _ = world.entities.insert_one(entity, LightShape(light(table)?));
+    }
     Ok(())
 }
 
@@ -314,24 +322,56 @@ fn check_format(path: &Text, format: ModelFormat) -> Result<(), Fault> {
     Err(Fault::at(path.span(), problem, help))
 }
 
-/// Names a sphere or disk without name by its place in the file; models bring the names of their nodes.
+/// Names a sphere, disk or light without name by its place in the file; models bring the names of their nodes.
 fn name_shape(table: &mut EntityTable, index: usize) {
-    let kind = match (&table.sphere, &table.disk) {
-        (Some(_), _) => "sphere",
-        (None, Some(_)) => "disk",
-        (None, None) => return,
+    let kind = match (&table.sphere, &table.disk, &table.light) {
+        (Some(_), ..) => "sphere",
+        (None, Some(_), _) => "disk",
+        (None, None, Some(_)) => "light",
+        (None, None, None) => return,
     };
     table.name.get_or_insert_with(|| format!("{kind} {index}"));
 }
 
 fn check_one_shape(table: &EntityTable, span: std::ops::Range<usize>) -> Result<(), Fault> {
-    let shapes = [table.sphere.is_some(), table.mesh.is_some(), table.gltf.is_some(), table.disk.is_some()];
+    let shapes = [
+        table.sphere.is_some(),
+        table.disk.is_some(),
+        table.mesh.is_some(),
+        table.gltf.is_some(),
+        table.light.is_some(),
+    ];
     let problem = match shapes.iter().filter(|given| **given).count() {
         0 => "the entity has no shape",
         1 => return Ok(()),
         _ => "the entity has more than one shape",
     };
-    Err(Fault::at(span, problem, "give it exactly one of `sphere`, `mesh`, `gltf`, `disk`"))
+    Err(Fault::at(span, problem, "give it exactly one of `sphere`, `disk`, `mesh`, `gltf`, `light`"))
+}
+
+/// Fails if there is a key that does not go with the entity's shape.
+fn check_company(table: &EntityTable) -> Result<(), Fault> {
+    if let (Some(scale), None) = (&table.light_scale, &table.gltf) {
+        return Err(Fault::at(scale.span(), "`light_scale` is for a `gltf`", "remove it"));
+    }
+    if table.light.is_none() {
+        return Ok(());
+    }
+    if let Some(material) = &table.material {
+        return Err(Fault::at(
+            material.span(),
+            "a `light` has no surface, so no `material`",
+            "remove it, or use a `sphere` or `disk` that emits",
+        ));
+    }
+    match &table.emission {
+        None => Ok(()),
+        Some(emission) => Err(Fault::at(
+            emission.span(),
+            "a `light` has no surface, so no `emission`",
+            "remove it; a light has an `intensity`, or an `irradiance` if it is distant",
+        )),
+    }
 }
 
 fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Result<Look, Fault> {
@@ -343,14 +383,17 @@ fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Res
         })
     });
     let emission = table.emission.as_ref().map(|rgb| check::colour(rgb, "emission"));
-    Ok(Look { material: material.transpose()?, emission: emission.transpose()? })
+    let scale = table.light_scale.as_ref();
+    let light_scale =
+        scale.map_or(Ok(DEFAULT_LIGHT_SCALE), |s| check::non_negative(s, "light_scale"))? as f32;
+    Ok(Look { material: material.transpose()?, emission: emission.transpose()?, light_scale })
 }
 
 /// The material of a sphere or disk: the named one or the default, with the entity's own emission.
 fn own_material(world: &mut World, look: Look) -> MaterialHandle {
     match look {
-        Look { material: Some(handle), emission: None } => handle,
-        Look { material, emission } => {
+        Look { material: Some(handle), emission: None, .. } => handle,
+        Look { material, emission, .. } => {
             let base = material.map_or_else(Material::default, |handle| world.material(handle));
             world.add_material(Material { emission: emission.unwrap_or(base.emission), ..base })
         }

@@ -7,10 +7,13 @@ use hecs::Entity;
 
 use super::Camera;
 use super::check::LARGEST;
-use super::components::{CameraLens, DiskShape, LocalTransform, Parent, SphereShape, WorldTransform};
+use super::components::{
+    CameraLens, DiskShape, LightShape, LocalTransform, Parent, SphereShape, WorldTransform,
+};
 use super::error::Fault;
 use super::world::World;
 use crate::geometry::{Disk, Mesh, Primitives, Sphere};
+use crate::light::Punctual;
 
 /// Relative deviation from a uniform scale that rounding may cause.
 const SCALE_TOLERANCE: f64 = 1e-5;
@@ -74,6 +77,29 @@ pub(super) fn disk_in_world(DiskShape(disk): DiskShape, to_world: &DAffine3) -> 
         normal: to_world.transform_vector3(disk.normal).try_normalize()?,
         inner: disk.inner * scale,
         outer: disk.outer * scale,
+    })
+}
+
+/// The light in the world, as bright as in entity space whatever the scale (as in `KHR_lights_punctual`); `None` if it
+/// is too far away or its direction is lost.
+pub(super) fn light_in_world(LightShape(light): LightShape, to_world: &DAffine3) -> Option<Punctual> {
+    let place = |position| {
+        let position = to_world.transform_point3(position);
+        is_representable(position).then_some(position)
+    };
+    let turn = |direction| to_world.transform_vector3(direction).try_normalize();
+    Some(match light {
+        Punctual::Point { position, intensity } => Punctual::Point { position: place(position)?, intensity },
+        Punctual::Spot { position, direction, intensity, cos_inner, cos_outer } => Punctual::Spot {
+            position: place(position)?,
+            direction: turn(direction)?,
+            intensity,
+            cos_inner,
+            cos_outer,
+        },
+        Punctual::Distant { direction, irradiance } => {
+            Punctual::Distant { direction: turn(direction)?, irradiance }
+        }
     })
 }
 

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::*;
 use crate::geometry::{Primitives, Sphere};
+use crate::light::Punctual;
 use crate::shade::{Environment, Lobe};
 
 struct Files {
@@ -86,7 +87,109 @@ fn the_room_shares_no_extra_meshes_and_names_its_nodes() {
     assert!(baked.materials.iter().all(|m| m.lobe != Lobe::Diffuse { albedo: Vec3::ONE }));
     assert!((baked.camera.position - DVec3::new(-0.25, 1.45, 2.75)).length() < 1e-6);
     assert!((baked.camera.up - DVec3::new(0.013619, 0.990319, -0.138139)).length() < 1e-5);
-    assert!(baked.warnings.iter().any(|line| line.contains("PointWarm, SpotCool")), "{:?}", baked.warnings);
+}
+
+#[test]
+fn the_lights_of_the_room_are_those_of_blender_in_watts() {
+    let baked = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/room.glb"), &[]).unwrap();
+    let [
+        Punctual::Point { position: warm, intensity: orange },
+        Punctual::Spot { position: cool, direction, intensity: blue, cos_inner, cos_outer },
+    ] = baked.punctual[..]
+    else {
+        panic!("{:?}", baked.punctual);
+    };
+    assert!(warm.abs_diff_eq(DVec3::new(-1.9, 2.2, -2.2), 1e-6), "{warm}");
+    assert!(cool.abs_diff_eq(DVec3::new(2.1, 2.6, 1.6), 1e-6), "{cool}");
+    // Blender's 12 W and 60 W, into 4π.
+    let per_watt = 0.25 * std::f32::consts::FRAC_1_PI;
+    assert!(orange.abs_diff_eq(12.0 * per_watt * Vec3::new(1.0, 0.6, 0.3), 1e-6), "{orange}");
+    assert!(blue.abs_diff_eq(60.0 * per_watt * Vec3::new(0.55, 0.75, 1.0), 1e-6), "{blue}");
+    assert!((cos_inner.acos() - 0.38135443).abs() < 1e-7 && (cos_outer.acos() - 0.40142572).abs() < 1e-7);
+    // −Z turned by the node's quaternion q: −(2(xz + wy), 2(yz − wx), 1 − 2(x² + y²)).
+    assert!(direction.abs_diff_eq(DVec3::new(-0.352789, -0.676178, -0.646779), 1e-6), "{direction}");
+    assert!(!baked.warnings.iter().any(|line| line.contains("PointWarm")), "{:?}", baked.warnings);
+}
+
+#[test]
+fn entities_that_share_a_file_may_scale_its_lights_differently() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/room.glb");
+    let gltf = toml_edit::Value::from(room.to_str().unwrap());
+    let text = format!(
+        "[[entity]]\ngltf = {gltf}\nlight_scale = 1\n[[entity]]\ngltf = {gltf}\n[[entity]]\ngltf = {gltf}\nlight_scale = 0\n"
+    );
+    let files = Files::new(&[("a.toml", &text)]);
+    let baked = load(&files.path("a.toml"), &[]).unwrap();
+    let red: Vec<f32> = baked.punctual.iter().step_by(2).map(|light| light.peak().x).collect();
+    assert!((red[0] - 652.217).abs() < 1e-3 && (red[1] - 652.217 / 683.0).abs() < 1e-6, "{red:?}");
+    assert_eq!((red.len(), red[2]), (3, 0.0));
+}
+
+#[test]
+fn lights_follow_their_transform_and_keep_their_intensity() {
+    let files = Files::new(&[(
+        "a.toml",
+        "[[entity]]\nsphere = { center = [0, 0, 0], radius = 1 }\n\
+         [[entity]]\nlight = { kind = \"spot\", position = [1, 0, 0], direction = [0, 0, -2], intensity = 3 }\n\
+         transform = { scale = [1, 1, -4], rotate = [0, 90, 0], translate = [0, 5, 0] }\n\
+         [[entity]]\nlight = { kind = \"distant\", direction = [0, -2, 0], irradiance = [1, 2, 3] }\n\
+         transform = { translate = [9, 9, 9] }\n\
+         [[entity]]\nlight = { kind = \"point\", position = [1, 2, 3], intensity = 4 }\n",
+    )]);
+    let baked = load(&files.path("a.toml"), &[]).unwrap();
+    assert_eq!(baked.entities, ["sphere 0"]);
+    assert_eq!(baked.warnings, Vec::<String>::new());
+    let Punctual::Spot { position, direction, intensity, cos_inner, cos_outer } = baked.punctual[0] else {
+        panic!("{:?}", baked.punctual);
+    };
+    // About Y: x → −z, z → x; the axis is mirrored before.
+    assert!(position.abs_diff_eq(DVec3::new(0.0, 5.0, -1.0), 1e-12), "{position}");
+    assert!(direction.abs_diff_eq(DVec3::X, 1e-12), "{direction}");
+    assert_eq!((intensity, cos_inner), (Vec3::splat(3.0), 1.0));
+    assert!((cos_outer - 0.5f64.sqrt()).abs() < 1e-12);
+    assert_eq!(
+        baked.punctual[1..],
+        [
+            Punctual::Distant { direction: DVec3::NEG_Y, irradiance: Vec3::new(1.0, 2.0, 3.0) },
+            Punctual::Point { position: DVec3::new(1.0, 2.0, 3.0), intensity: Vec3::splat(4.0) },
+        ]
+    );
+}
+
+/// A glTF file with a triangle and this light at a node that is scaled by zero along Z.
+fn lit_triangle(light: &str) -> String {
+    let positions = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "scenes": [{{ "nodes": [0, 1] }}],
+            "nodes": [{{ "mesh": 0, "name": "leaf" }},
+                      {{ "name": "lamp", "scale": [1, 1, 0], "extensions": {{ "KHR_lights_punctual": {{ "light": 0 }} }} }}],
+            "extensions": {{ "KHR_lights_punctual": {{ "lights": [{light}] }} }},
+            "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0 }} }}] }}],
+            "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }}],
+            "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}],
+            "buffers": [{{ "byteLength": 36, "uri": "data:application/octet-stream;base64,{positions}" }}] }}"#
+    )
+}
+
+#[test]
+fn a_bare_model_with_a_light_gets_no_sky() {
+    let load = |light| load(&Files::new(&[("a.gltf", &lit_triangle(light))]).path("a.gltf"), &[]).unwrap();
+    let baked = load(r#"{ "type": "point" }"#);
+    assert!(baked.environment.is_black());
+    assert_eq!((baked.punctual.len(), baked.warnings.len()), (1, 0), "{:?}", baked.warnings);
+    assert!(!load(r#"{ "type": "point", "intensity": 0 }"#).environment.is_black());
+}
+
+#[test]
+fn lights_without_direction_or_too_bright_are_errors_that_name_them() {
+    for (light, expected) in [
+        (r#"{ "type": "directional" }"#, "`lamp`: the light's position or direction is not usable"),
+        (r#"{ "type": "point", "intensity": 1e30 }"#, "`lamp`: the light is brighter than 1e18"),
+    ] {
+        let files = Files::new(&[("a.gltf", &lit_triangle(light))]);
+        let message = load(&files.path("a.gltf"), &[]).err().unwrap().to_string();
+        assert!(message.contains(expected) && message.contains("help: "), "{message}");
+    }
 }
 
 #[test]

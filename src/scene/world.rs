@@ -8,7 +8,7 @@ use glam::DAffine3;
 use hecs::Entity;
 
 use super::components::{
-    AuthoredAt, CameraLens, LocalTransform, MaterialHandle, MeshHandle, MeshShape, Name, Parent,
+    AuthoredAt, CameraLens, LightShape, LocalTransform, MaterialHandle, MeshHandle, MeshShape, Name, Parent,
 };
 use super::error::Fault;
 use super::{Settings, SpacetimeKind};
@@ -53,13 +53,15 @@ pub(super) enum ModelFormat {
     Gltf,
 }
 
-/// What a scene file says over the head of a model's own materials.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a scene file says over the head of a model.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     /// Replaces every material.
     pub material: Option<MaterialHandle>,
     /// Replaces the emission.
     pub emission: Option<glam::Vec3>,
+    /// Factor on the lights: W/sr per candela, W/m² per lux.
+    pub light_scale: f32,
 }
 
 impl World {
@@ -89,6 +91,12 @@ impl World {
         self.materials.get(handle.0 as usize).copied().unwrap_or_default()
     }
 
+    /// Whether any material or light without extent emits light.
+    pub fn emits(&self) -> bool {
+        let surfaces = self.materials.iter().any(|material| material.emits());
+        surfaces || self.entities.query::<&LightShape>().iter().any(|light| light.0.emits())
+    }
+
     /// Spawns the nodes of a geometry file under `parent`; each file is read once.
     ///
     /// The node `Lamp` is called `room/Lamp` if the scene file names the entity `room`, and `Lamp` if it has no name.
@@ -115,13 +123,21 @@ impl World {
             });
             let shape = MeshShape(parts.collect());
             let name = if prefix.is_empty() { node.name.clone() } else { format!("{prefix}/{}", node.name) };
-            spawned.push(self.spawn_node(node, name, above, shape));
+            let light = node.light.map(|light| LightShape(light.scaled(look.light_scale)));
+            spawned.push(self.spawn_node(node, name, above, shape, light));
         }
         self.models.insert(path.to_owned(), loaded);
         Ok(())
     }
 
-    fn spawn_node(&mut self, node: &Node, name: String, parent: Entity, shape: MeshShape) -> Entity {
+    fn spawn_node(
+        &mut self,
+        node: &Node,
+        name: String,
+        parent: Entity,
+        shape: MeshShape,
+        light: Option<LightShape>,
+    ) -> Entity {
         let placed = (Parent(parent), LocalTransform(node.to_parent), Name(name));
         let entity = self.entities.spawn(placed);
         // The entity was spawned on the line above, so inserting cannot fail.
@@ -131,6 +147,9 @@ impl World {
         if let Some(lens) = node.lens {
             let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0 };
             let _ = self.entities.insert_one(entity, lens);
+        }
+        if let Some(light) = light {
+            let _ = self.entities.insert_one(entity, light);
         }
         entity
     }

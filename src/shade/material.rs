@@ -57,6 +57,14 @@ impl Material {
         matches!(self.lobe, Lobe::Diffuse { albedo } if albedo != Vec3::ZERO)
     }
 
+    /// Whether light from one direction leaves in one or two: a mirror, glass.
+    pub fn is_specular(&self) -> bool {
+        match self.lobe {
+            Lobe::Diffuse { .. } => false,
+            Lobe::Mirror { .. } | Lobe::Dielectric { .. } => true,
+        }
+    }
+
     /// The colour that the albedo AOV shows.
     pub fn albedo(&self) -> Vec3 {
         match self.lobe {

@@ -1,6 +1,13 @@
 //! Light sampling as a scene asks for it: its lights, the rays to them, and how found light is shared.
 
-use crate::light::{Heuristic, Lensed, Lights, Sight, Straight};
+use glam::{DVec3, Vec3};
+
+use super::photons;
+use super::transport::{Landing, Transport};
+use super::vertex::Vertex;
+use crate::light::{
+    Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Receiver, Sight, Straight, Target,
+};
 use crate::scene::{Baked, LightSampling, SpacetimeKind};
 use crate::spacetime::Schwarzschild;
 
@@ -10,6 +17,8 @@ pub struct Illumination {
     pub lights: Lights,
     /// The rays to them.
     pub sight: Box<dyn Sight>,
+    /// Directions of light through mirrors and glass.
+    guide: Option<Guide>,
     /// How light is shared; `None`: all of it belongs to light sampling, as in the paper.
     heuristic: Option<Heuristic>,
 }
@@ -37,7 +46,65 @@ impl Illumination {
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
         let heuristic = (!straight).then_some(settings.heuristic);
-        (!lights.is_empty()).then_some(Self { lights, sight, heuristic })
+        (!lights.is_empty()).then_some(Self { lights, sight, guide: None, heuristic })
+    }
+
+    /// Learns where light comes from through mirrors and glass.
+    pub fn learn<T: Transport>(&mut self, scene: &Baked, transport: &T) {
+        if self.heuristic.is_some() {
+            self.guide = photons::guide(scene, transport, &self.lights);
+        }
+    }
+
+    /// Whether light through mirrors and glass is sampled.
+    pub fn is_guided(&self) -> bool {
+        self.guide.is_some()
+    }
+
+    /// A direction in which light may come to `receiver`, from four numbers in [0, 1): densities and probabilities are
+    /// those of the whole choice.
+    pub fn sample(&self, receiver: &Receiver, [choice, u, v, w]: [f64; 4]) -> Option<LightSample> {
+        let bent = self.bent_share(receiver);
+        if choice < bent {
+            let (direction, density) =
+                self.guide.as_ref()?.sample(receiver.place.position, [choice / bent, v, w])?;
+            let light = Incoming::Radiance(Vec3::ONE, bent * density);
+            return Some(LightSample { direction, target: Target::Bent, light });
+        }
+        let direct = 1.0 - bent;
+        let numbers = [(choice - bent) / direct, u, v, w];
+        let LightSample { direction, target, light } =
+            self.lights.sample(self.sight.as_ref(), receiver, numbers)?;
+        let light = match light {
+            Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
+            Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
+        };
+        Some(LightSample { direction, target, light })
+    }
+
+    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
+    /// normal there), or at infinity in the unit `direction` of travel.
+    pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
+        let receiver = Receiver { place: self.sight.place(vertex.position), normal: vertex.normal };
+        let bent = self.bent_share(&receiver);
+        if vertex.is_bent {
+            let density = |guide: &Guide| bent * guide.density(vertex.position, vertex.direction);
+            return self.guide.as_ref().map_or(0.0, density);
+        }
+        let (sight, out) = (self.sight.as_ref(), vertex.direction);
+        let density = match surface {
+            Some((landing, normal)) => {
+                let place = (landing.primitive, landing.position, normal, direction);
+                self.lights.surface_density(sight, &receiver, out, place)
+            }
+            None => self.lights.sky_density(sight, &receiver, out, direction),
+        };
+        (1.0 - bent) * density
+    }
+
+    /// Share of samples that go through mirrors and glass.
+    fn bent_share(&self, receiver: &Receiver) -> f64 {
+        self.guide.as_ref().map_or(0.0, |guide| guide.share(receiver.place.position))
     }
 
     /// Share of a light sample of density `sampled` that a surface would find with density `found`.

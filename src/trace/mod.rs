@@ -11,6 +11,7 @@ mod march;
 mod paper;
 mod path;
 mod per_pixel;
+mod photons;
 mod polish;
 mod samples;
 mod shoot;
@@ -191,16 +192,16 @@ impl Errand for Renderer<'_> {
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
         let illumination = Illumination::of(self.scene);
-        let job = Job { scene: self.scene, settings, sampler, illumination };
+        let mut job = Job { scene: self.scene, settings, sampler, illumination };
         let wanted = Wanted::new(&run.aovs, run.noise.is_some());
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);
         let started = Instant::now();
         let (counters, times, threads) =
             match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
-                Ok(pool) => pool.install(|| self.passes(&job, transport, &mut tiles, wanted, started)),
+                Ok(pool) => pool.install(|| self.work(&mut job, transport, &mut tiles, wanted, started)),
                 // Without a pool of its own the render shares rayon's.
-                Err(_) => self.passes(&job, transport, &mut tiles, wanted, started),
+                Err(_) => self.work(&mut job, transport, &mut tiles, wanted, started),
             };
         let mut image = Image {
             width: settings.width,
@@ -227,6 +228,21 @@ impl Renderer<'_> {
             attributes.extend(names.map(|(index, name)| (format!("entity.{}", index + 1), name.clone())));
         }
         attributes
+    }
+
+    /// What light sampling has to learn first, then all passes.
+    fn work<T: Transport>(
+        &self,
+        job: &mut Job,
+        transport: &T,
+        tiles: &mut [Tile],
+        wanted: Wanted,
+        started: Instant,
+    ) -> (Counters, StageTimes, usize) {
+        if let Some(illumination) = &mut job.illumination {
+            illumination.learn(self.scene, transport);
+        }
+        self.passes(job, transport, tiles, wanted, started)
     }
 
     /// All passes over all tiles.

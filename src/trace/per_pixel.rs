@@ -5,7 +5,7 @@ use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
-use super::stages::light;
+use super::stages::light::{self, Progress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::Counters;
@@ -52,16 +52,28 @@ fn trace_path<T: Transport>(
             samples,
         );
         if let Some(illumination) = illumination {
-            match light::settle(illumination, transport, (&flight, &step, found), &vertex) {
-                Ok(next) => flight = next,
-                Err(is_reached) => match gather(&mut path, &mut vertex, is_reached) {
-                    Some(direction) => {
-                        flight = transport.launch(vertex.position, direction, vertex.leaves);
-                        counters.rays += 1;
+            let is_reached =
+                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+                    Progress::Flying(next) => {
+                        flight = next;
+                        continue;
                     }
-                    None => break,
-                },
-            }
+                    Progress::Landed(landing) => {
+                        if let Some(direction) = light::bend(job, &mut path, &mut vertex, &landing) {
+                            flight = transport.launch(landing.position, direction, landing.primitive);
+                            continue;
+                        }
+                        false
+                    }
+                    Progress::Escaped(direction) => {
+                        light::escape(job, &mut path, &vertex, direction);
+                        false
+                    }
+                    Progress::Ended(is_reached) => is_reached,
+                };
+            let Some(direction) = gather(&mut path, &mut vertex, is_reached) else { break };
+            flight = transport.launch(vertex.position, direction, vertex.leaves);
+            counters.rays += 1;
             continue;
         }
         let fate = match transport.settle(Some(geometry), &flight, &step, found) {

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use super::columns::columns;
 use crate::geometry::PrimitiveId;
 use crate::light::Target;
+use crate::shade::Media;
 
 columns! {
     /// A surface that a path scattered at; only with light sampling.
@@ -21,8 +22,14 @@ columns! {
         direction: DVec3,
         /// Density of that direction in solid angle; 0 if light sampling cannot choose it: at the camera, off a mirror.
         density: f64,
+        /// Whether the path has met mirrors or glass since.
+        is_bent: bool,
         /// Whether the ray in flight is a light ray.
         is_lit: bool,
+        /// Ray segments of the path up to the light ray, that included.
+        depth: u32,
+        /// Dielectrics around the light ray.
+        media: Media,
         /// What the light ray is aimed at.
         target: Target,
         /// What it adds to the path if it gets there.

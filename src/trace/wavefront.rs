@@ -11,7 +11,7 @@ use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
-use super::stages::light;
+use super::stages::light::{self, Progress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
@@ -41,6 +41,10 @@ struct Events {
     landed: Vec<(usize, Landing)>,
     /// Light rays that ended, at their target or not.
     lit: Vec<(usize, bool)>,
+    /// Light rays that met mirrors or glass, or what they look for behind them.
+    bent: Vec<(usize, Landing)>,
+    /// Light rays that left beyond mirrors and glass.
+    gone: Vec<(usize, DVec3)>,
     escaped: Vec<(usize, DVec3)>,
     ended: Vec<(usize, Fate)>,
     finished: Vec<usize>,
@@ -88,6 +92,7 @@ impl<T: Transport> Wavefront<T> {
             lap.end(&mut times.settle);
             self.escape(job, samples);
             lap.end(&mut times.escape);
+            self.bend(job, transport);
             self.gather(transport, counters);
             self.shade(job, transport, samples, counters);
             lap.end(&mut times.scatter);
@@ -140,9 +145,11 @@ impl<T: Transport> Wavefront<T> {
             }
             if let Some(illumination) = illumination {
                 let vertex = self.vertices.get(lane);
-                match light::settle(illumination, transport, (&flight, &step, found), &vertex) {
-                    Ok(next) => self.flights.set(lane, next),
-                    Err(is_reached) => events.lit.push((lane, is_reached)),
+                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
+                    Progress::Flying(next) => self.flights.set(lane, next),
+                    Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
+                    Progress::Landed(landing) => events.bent.push((lane, landing)),
+                    Progress::Escaped(direction) => events.gone.push((lane, direction)),
                 }
                 continue;
             }
@@ -186,6 +193,27 @@ impl<T: Transport> Wavefront<T> {
         for (lane, fate) in self.events.ended.drain(..) {
             record_end(&self.paths.get(lane), fate, samples);
             self.events.finished.push(lane);
+        }
+    }
+
+    /// Takes light rays through mirrors and glass.
+    fn bend(&mut self, job: &Job, transport: &T) {
+        for (lane, landing) in self.events.bent.drain(..) {
+            let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
+            match light::bend(job, &mut path, &mut vertex, &landing) {
+                Some(direction) => {
+                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                }
+                None => self.events.lit.push((lane, false)),
+            }
+            self.paths.set(lane, path);
+            self.vertices.set(lane, vertex);
+        }
+        for (lane, direction) in self.events.gone.drain(..) {
+            let mut path = self.paths.get(lane);
+            light::escape(job, &mut path, &self.vertices.get(lane), direction);
+            self.paths.set(lane, path);
+            self.events.lit.push((lane, false));
         }
     }
 

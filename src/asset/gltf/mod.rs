@@ -2,6 +2,7 @@
 
 mod accessor;
 mod buffers;
+mod light;
 mod material;
 mod primitive;
 mod validate;
@@ -16,13 +17,15 @@ use super::model::{Lens, Model, Node, Part};
 use super::notes::Notes;
 use buffers::Buffers;
 
-/// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials and cameras.
+/// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// A base colour texture counts as its mean colour. Lights, other textures, animation, skins and instancing are not read; [`Model::warnings`] says where they were met.
+/// A base colour texture counts as its mean colour. Other textures, animation, skins and instancing are not read;
+/// [`Model::warnings`] says where they were met.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
-/// an extension without which the geometry is unknown is required, or a vertex is not finite.
+/// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
+/// an intensity or cone angles that make no sense.
 pub fn load(path: &Path) -> Result<Model, AssetError> {
     let bytes = AssetError::read(path)?;
     let gltf = validate::parse(&bytes).map_err(|flaw| AssetError::content(path, flaw))?;
@@ -99,16 +102,14 @@ impl Import {
                 None
             }
         });
-        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens })
+        let light = node.light().map(|light| light::convert(&light, &mut self.notes)).transpose()?;
+        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens, light })
     }
 
     fn note_ignored(&mut self, node: &gltf::Node, name: &str) {
         let extensions = node.extensions().into_iter().flat_map(|map| map.keys());
         for extension in extensions {
             let kind = match extension.as_str() {
-                "KHR_lights_punctual" => {
-                    "point, spot and sun lights (KHR_lights_punctual) are ignored".to_owned()
-                }
                 "EXT_mesh_gpu_instancing" => {
                     "instances (EXT_mesh_gpu_instancing) are ignored, the mesh is placed once".to_owned()
                 }

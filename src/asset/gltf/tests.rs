@@ -1,9 +1,10 @@
 use std::path::PathBuf;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::*;
+use crate::light::Punctual;
 use crate::shade::{Lobe, Material};
 
 /// Bytes of the test buffer: four positions, four u16 indices, a sparse index, a sparse value.
@@ -139,7 +140,6 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     let mut shiny = document();
     shiny["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
     shiny["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_texture_transform"]);
-    shiny["nodes"][1]["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 } });
     shiny["materials"] = json!([
         { "name": "mirror", "pbrMetallicRoughness": { "roughnessFactor": 0, "baseColorFactor": [0.9, 0.8, 0.7, 1] } },
         { "name": "glass", "pbrMetallicRoughness": { "roughnessFactor": 0, "metallicFactor": 0 },
@@ -158,13 +158,82 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     assert!(model.materials[2].emits_both_sides && !model.materials[0].emits_both_sides);
     let warnings: Vec<&str> =
         model.warnings.iter().map(|line| line.split_once("gltf: ").unwrap().1).collect();
-    assert_eq!(
-        warnings,
-        [
-            "rough metal becomes diffuse, in material: brass",
-            "point, spot and sun lights (KHR_lights_punctual) are ignored: eye",
-        ]
+    assert_eq!(warnings, ["rough metal becomes diffuse, in material: brass"]);
+}
+
+/// The document with this light at its second node, `eye`.
+fn lit(light: Value) -> Value {
+    let mut document = with("/nodes/1/extensions", json!({ "KHR_lights_punctual": { "light": 0 } }));
+    document["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+    document["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    document
+}
+
+#[test]
+fn lights_shine_along_minus_z_of_their_node() {
+    let read = |light| {
+        let model = load_json(&lit(light)).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((model.nodes[0].light, model.warnings), (None, Vec::new()));
+        model.nodes[1].light
+    };
+    let (position, direction) = (DVec3::ZERO, DVec3::NEG_Z);
+    let intensity = Vec3::new(2.0, 1.0, 0.0);
+    let point = json!({ "type": "point", "color": [1, 0.5, 0], "intensity": 2 });
+    assert_eq!(read(point), Some(Punctual::Point { position, intensity }));
+    let sun = json!({ "type": "directional" });
+    assert_eq!(read(sun), Some(Punctual::Distant { direction, irradiance: Vec3::ONE }));
+    let spot =
+        json!({ "type": "spot", "color": [1, 0.5, 0], "intensity": 2, "spot": { "innerConeAngle": 0.25 } });
+    // The default of the outer angle is π/4, in f32.
+    let (cos_inner, cos_outer) = (0.25f64.cos(), f64::from(std::f32::consts::FRAC_PI_4).cos());
+    assert_eq!(read(spot), Some(Punctual::Spot { position, direction, intensity, cos_inner, cos_outer }));
+    let half_space = json!({ "innerConeAngle": std::f64::consts::FRAC_PI_2, "outerConeAngle": std::f64::consts::FRAC_PI_2 });
+    assert!(read(json!({ "type": "spot", "spot": half_space })).is_some());
+}
+
+#[test]
+fn the_range_of_a_light_is_ignored_with_a_note() {
+    let model = load_json(&lit(json!({ "type": "point", "name": "bulb", "range": 3 }))).unwrap();
+    assert!(model.nodes[1].light.is_some());
+    assert!(
+        model.warnings[0].ends_with("range is ignored, light reaches everywhere, of light: bulb"),
+        "{:?}",
+        model.warnings
     );
+}
+
+#[test]
+fn malformed_lights_are_errors_that_name_node_and_light() {
+    let spot = |inner: f64, outer: f64| json!({ "type": "spot", "name": "bulb", "spot": { "innerConeAngle": inner, "outerConeAngle": outer } });
+    for (light, expected) in [
+        (
+            json!({ "type": "point", "name": "bulb", "intensity": -1 }),
+            "intensity must be finite and not negative, but is -1",
+        ),
+        (json!({ "type": "point", "name": "bulb", "intensity": 1e300 }), "intensity must be finite"),
+        (
+            json!({ "type": "directional", "name": "bulb", "color": [1, -0.5, 1] }),
+            "colour must be finite and not negative",
+        ),
+        (spot(0.5, 0.4), "angles must be 0 ≤ inner ≤ outer ≤ π/2, but are 0.5 and 0.4"),
+        (spot(-0.1, 0.4), "but are -0.1 and 0.4"),
+        (spot(0.1, 1.6), "but are 0.1 and 1.6"),
+    ] {
+        let message = load_json(&lit(light)).unwrap_err().to_string();
+        assert!(message.contains("node `eye`: light `bulb`: ") && message.contains(expected), "{message}");
+        assert!(message.contains("help: "), "{message}");
+    }
+    for (light, expected) in [
+        (json!({ "type": "area" }), "Invalid value"),
+        (json!({ "type": "spot" }), "Missing data"),
+        (json!({}), "missing field `type`"),
+    ] {
+        let message = load_json(&lit(light)).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    let lights = json!({ "KHR_lights_punctual": { "light": 0 } });
+    let message = load_json(&with("/nodes/1/extensions", lights)).unwrap_err().to_string();
+    assert!(message.contains("Index out of bounds"), "{message}");
 }
 
 #[test]
@@ -217,7 +286,7 @@ fn vertices_that_are_not_finite_are_errors() {
 #[test]
 fn cut_and_corrupted_files_never_panic() {
     let files = Files::new();
-    let mut binary = document();
+    let mut binary = lit(json!({ "type": "spot", "spot": {} }));
     binary["buffers"] = json!([{ "byteLength": 72 }]);
     let whole = glb(&binary, &buffer());
     for length in 0..whole.len() {

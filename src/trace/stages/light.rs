@@ -7,7 +7,8 @@ use super::super::path::Path;
 use super::super::transport::{Found, Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
-use crate::geometry::Segment;
+use super::scatter::incidence;
+use crate::geometry::{Geometry, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
@@ -24,6 +25,8 @@ pub struct LightRay {
 
 /// Sets of random numbers of light sampling, beyond those of scattering.
 const SETS: u32 = 1 << 16;
+/// Those of light rays at mirrors and glass.
+const BENT_SETS: u32 = 2 << 16;
 /// How far from a light without extent a ray may pass that was aimed at it, relative to the move.
 const NEAR: f64 = 1e-3;
 
@@ -41,43 +44,92 @@ pub fn propose(
         return None;
     }
     let numbers = job.sampler.four(path.pixel, path.sample, SETS + path.depth).map(f64::from);
-    let Illumination { lights, sight, .. } = illumination;
-    let receiver = Receiver { place: sight.place(position), normal: incidence.facing().0 };
-    let LightSample { direction, target, light } = lights.sample(sight.as_ref(), &receiver, numbers)?;
+    let receiver = Receiver { place: illumination.sight.place(position), normal: incidence.facing().0 };
+    let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
-    let light = match (light, target) {
-        (Incoming::Radiance(radiance, density), _) => {
+    let light = match light {
+        Incoming::Radiance(radiance, density) => {
             // What is 0/0 where images merge is 0: the surface finds it.
             let share = illumination.share_of_sample(density, found) / density;
             (if share.is_finite() { share as f32 } else { 0.0 }) * radiance
         }
-        (Incoming::Irradiance(irradiance), _) => irradiance,
+        Incoming::Irradiance(irradiance) => irradiance,
     };
     let brings = path.throughput * bsdf * light;
     (brings != Vec3::ZERO && brings.is_finite()).then_some(LightRay { direction, target, brings })
 }
 
-/// Where a light ray stands after a move: flying on, or ended at its target or not.
+/// What becomes of a light ray after a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress<Flight> {
+    /// It flies on.
+    Flying(Flight),
+    /// It ended: at its target or not.
+    Ended(bool),
+    /// One that looks for light behind mirrors and glass landed.
+    Landed(Landing),
+    /// One that does left to infinity, with this unit direction there.
+    Escaped(DVec3),
+}
+
+/// Where a light ray stands after a move.
 #[inline]
 pub fn settle<T: Transport>(
+    job: &Job,
     illumination: &Illumination,
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
-) -> Result<T::Flight, bool> {
-    let point = match vertex.target {
-        Target::Point(index) => illumination.lights.point(index),
-        _ => None,
-    };
-    if point.is_some_and(|point| passes(transport, flight, step, found, point)) {
-        return Err(true);
+) -> Progress<T::Flight> {
+    let geometry = &job.scene.geometry;
+    let is_bent = vertex.target == Target::Bent;
+    if let Target::Point(index) = vertex.target {
+        let point = illumination.lights.point(index);
+        if point.is_some_and(|point| passes(transport, flight, step, found, point)) {
+            return Progress::Ended(true);
+        }
     }
-    match transport.settle(None, flight, step, found) {
-        Outcome::Flying(next) => Ok(next),
-        Outcome::Landed(landing) => Err(is_met(illumination, vertex.target, &landing)),
+    // Only where the ray goes on from does it matter where exactly it lands.
+    match transport.settle(is_bent.then_some(geometry), flight, step, found) {
+        Outcome::Flying(next) => Progress::Flying(next),
+        Outcome::Landed(landing) if is_bent => Progress::Landed(landing),
+        Outcome::Escaped(direction) if is_bent => Progress::Escaped(direction),
+        Outcome::Landed(landing) => Progress::Ended(is_met(illumination, vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
-        Outcome::Escaped(_) => Err(matches!(vertex.target, Target::Infinity | Target::Point(_))),
-        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Err(false),
+        Outcome::Escaped(_) => Progress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_))),
+        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Progress::Ended(false),
+    }
+}
+
+/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in which
+/// it goes on, or `None` if it ends.
+#[inline]
+pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
+    let materials = &job.scene.materials;
+    let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
+    let material = &materials[surface.surface.material as usize];
+    let front = landing.direction.dot(surface.normal) < 0.0;
+    if vertex.is_bent && (front || material.emits_both_sides) {
+        path.radiance += vertex.brings * material.emission;
+    }
+    if !material.is_specular() || vertex.depth >= job.settings.max_depth {
+        return None;
+    }
+    let incidence = incidence(&surface, landing.direction, vertex.media);
+    let numbers = job.sampler.four(path.pixel, path.sample, BENT_SETS + vertex.depth);
+    let bounce = shade::scatter(materials, &incidence, numbers)?;
+    vertex.brings *= bounce.weight;
+    vertex.media = bounce.media;
+    vertex.depth += 1;
+    vertex.is_bent = true;
+    (vertex.brings != Vec3::ZERO).then_some(bounce.direction)
+}
+
+/// Adds what a light ray that went through mirrors and glass sees in the unit `direction` at infinity.
+#[inline]
+pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
+    if vertex.is_bent && !job.scene.environment.is_black() {
+        path.radiance += vertex.brings * job.scene.environment.radiance(direction);
     }
 }
 
@@ -107,14 +159,6 @@ fn is_met(illumination: &Illumination, target: Target, landing: &Landing) -> boo
 #[inline]
 pub fn share(job: &Job, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f32 {
     let Some(illumination) = job.illumination.as_ref().filter(|_| vertex.density > 0.0) else { return 1.0 };
-    let Illumination { lights, sight, .. } = illumination;
-    let receiver = Receiver { place: sight.place(vertex.position), normal: vertex.normal };
-    let density = match surface {
-        Some((landing, normal)) => {
-            let place = (landing.primitive, landing.position, normal, direction);
-            lights.surface_density(sight.as_ref(), &receiver, vertex.direction, place)
-        }
-        None => lights.sky_density(sight.as_ref(), &receiver, vertex.direction, direction),
-    };
+    let density = illumination.density(vertex, direction, surface);
     illumination.share_of_find(density, vertex.density) as f32
 }

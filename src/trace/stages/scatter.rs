@@ -1,10 +1,22 @@
 //! Russian roulette and the next bounce.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::super::path::Path;
 use super::super::work::Job;
-use crate::shade::{self, Bounce, Incidence};
+use crate::geometry::SurfacePoint;
+use crate::shade::{self, Bounce, Incidence, Media};
+
+/// How light that travels in the unit `direction` meets a surface.
+pub fn incidence(surface: &SurfacePoint, direction: DVec3, media: Media) -> Incidence {
+    Incidence {
+        direction,
+        normal: surface.normal,
+        shading_normal: surface.shading_normal,
+        material: surface.surface.material,
+        media,
+    }
+}
 
 /// Continues a path from a surface; `None` if it ends here.
 ///

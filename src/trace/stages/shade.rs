@@ -10,9 +10,8 @@ use super::super::work::Job;
 use super::emit::emit;
 use super::light::propose;
 use super::record::record_hit;
-use super::scatter::scatter;
+use super::scatter::{incidence, scatter};
 use crate::light::Target;
-use crate::shade::Incidence;
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -27,16 +26,16 @@ pub fn shade(
     let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
     record_hit(job, path, landing, &surface, samples);
     emit(job, &surface, landing, vertex, path);
-    let incidence = Incidence {
-        direction: landing.direction,
-        normal: surface.normal,
-        shading_normal: surface.shading_normal,
-        material: surface.surface.material,
-        media: path.media,
-    };
+    let incidence = incidence(&surface, landing.direction, path.media);
     let Some(illumination) = &job.illumination else {
         return scatter(job, path, &incidence).map(|bounce| bounce.direction);
     };
+    let is_specular = job.scene.materials[incidence.material as usize].is_specular();
+    if is_specular && illumination.is_guided() {
+        vertex.is_bent = true;
+        return scatter(job, path, &incidence).map(|bounce| bounce.direction);
+    }
+    let depth = path.depth + 1;
     let light_ray = propose(job, illumination, path, &incidence, landing.position);
     let bounce = scatter(job, path, &incidence);
     *vertex = Vertex {
@@ -46,7 +45,10 @@ pub fn shade(
         continues: bounce.is_some(),
         direction: bounce.map_or(DVec3::ZERO, |bounce| bounce.direction),
         density: bounce.map_or(0.0, |bounce| bounce.density),
+        is_bent: false,
         is_lit: light_ray.is_some(),
+        depth,
+        media: incidence.media,
         target: light_ray.map_or(Target::Nothing, |ray| ray.target),
         brings: light_ray.map_or(Vec3::ZERO, |ray| ray.brings),
     };
@@ -60,5 +62,6 @@ pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> Option<
         path.radiance += vertex.brings;
     }
     vertex.is_lit = false;
+    vertex.is_bent = false;
     vertex.continues.then_some(vertex.direction)
 }
