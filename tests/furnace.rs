@@ -7,8 +7,9 @@ use glam::DVec3;
 use warpfront::scene::Baked;
 use warpfront::trace::Run;
 
-/// Long paths, and none ended by roulette: no noise is left.
-const WHOLE_PATHS: &str = "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\n";
+/// Long paths, none ended by roulette and none that looks for lights: no noise is left.
+const WHOLE_PATHS: &str =
+    "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\nlight_sampling = \"off\"\n";
 
 fn assert_uniform(scene: &Baked, expected: f64, tolerance: f64) {
     let (low, high) = red_range(&render(scene, &Run::default()));
@@ -46,12 +47,33 @@ fn russian_roulette_keeps_the_mean_of_a_furnace() {
 }
 
 #[test]
+fn light_sampling_keeps_the_mean_of_a_furnace() {
+    // In flat space, and around holes in closed spheres that emit: at the photon sphere, at 0.93, no ray that goes around is
+    // lost; a sphere of radius 0.3 is all but the horizon.
+    let inside = |radius| sphere(DVec3::ZERO, radius, "wall");
+    let bent = [0.3, 0.4, 0.93, 1.3].map(|radius| (hole(DVec3::ZERO, 1.0), inside(radius)));
+    for (before, inside) in [(String::new(), String::new())].into_iter().chain(bent) {
+        for heuristic in ["balance", "power"] {
+            let render = format!(
+                "[render]\nspp = 64\nmax_depth = 400\nroulette_depth = 5\nmis = \"{heuristic}\"\n"
+            );
+            let scene = furnace(&before, &render, 0.5, 0.5, &inside);
+            let mean = common::mean_red(&common::render(&scene, &Run::default()));
+            println!("{heuristic}, {inside:?}: {mean}");
+            assert!((mean - 1.0).abs() < 3e-3, "{heuristic}, {inside:?}: {mean}");
+        }
+    }
+}
+
+#[test]
 fn furnaces_have_the_radiance_of_every_row_of_the_table() {
     let mut count = 0;
     for row in table("flat.csv").iter().filter(|row| row.text("kind") == "furnace") {
         let (albedo, reflections) = (row.number("param1"), row.number("param2"));
         let depth = if reflections < 0.0 { 400 } else { reflections as u32 + 1 };
-        let render = format!("[render]\nspp = 1\nmax_depth = {depth}\nroulette_depth = 400\n");
+        let render = format!(
+            "[render]\nspp = 1\nmax_depth = {depth}\nroulette_depth = 400\nlight_sampling = \"off\"\n"
+        );
         assert_uniform(&furnace("", &render, albedo, 1.0, ""), row.number("value"), 1e-5);
         count += 1;
     }

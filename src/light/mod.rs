@@ -59,8 +59,8 @@ pub enum Target {
     /// Nothing.
     #[default]
     Nothing,
-    /// A primitive, met on its front or on its back.
-    Surface(PrimitiveId, bool),
+    /// A point of a primitive.
+    Surface(PrimitiveId, DVec3),
     /// Whatever emits behind mirrors and glass.
     Bent,
     /// Infinity.
@@ -232,7 +232,7 @@ impl Lights {
         let density = share * chance * odds * spot.density / (link.spread * cos.abs());
         Some(LightSample {
             direction: link.direction,
-            target: Target::Surface(emitter.primitive, cos > 0.0),
+            target: Target::Surface(emitter.primitive, spot.position),
             light: Incoming::Radiance(emitter.radiance, density),
         })
     }

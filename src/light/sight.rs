@@ -50,6 +50,10 @@ pub trait Sight: Send + Sync {
     /// Winding number and spread of a ray that leaves `x` in `direction` and arrives at `y` travelling along `arrival`.
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)>;
 
+    /// Whether a ray that ends at `end`, on the primitive that it was aimed at, ends where it was aimed at, `at`, rather
+    /// than where it meets the same primitive on its way there.
+    fn is_there(&self, at: DVec3, end: DVec3) -> bool;
+
     /// Area in the static frame over area in the chart, at a place.
     fn area_scale(&self, y: &Place) -> f64;
 
@@ -96,6 +100,11 @@ impl Sight for Straight {
         Some((0, spread))
     }
 
+    fn is_there(&self, _: DVec3, _: DVec3) -> bool {
+        // What a straight ray meets twice it leaves on the side that is not lit.
+        true
+    }
+
     fn area_scale(&self, _: &Place) -> f64 {
         1.0
     }
@@ -115,6 +124,9 @@ pub struct Lensed<M> {
 
 /// Relative error of connections: far below what their rays are traced with.
 const TOLERANCE: f64 = 1e-5;
+/// How far from where it was aimed at a ray may end, relative to the distance from the centre: far more than its error
+/// and far less than there is between two crossings of a surface.
+const NEAR: f64 = 0.03;
 /// Weight, beside that of the near way, of a ray that goes around, at least; it is weak but easily missed otherwise.
 const LEAST_ODDS: f64 = 0.02;
 /// The same of rays that go around more than once.
@@ -125,6 +137,11 @@ impl<M: ConformallyFlat> Lensed<M> {
     pub fn new(medium: M, center: DVec3, max_winding: u32) -> Option<Self> {
         let lens = Lens::new(&medium, TOLERANCE)?;
         Some(Self { medium, center, lens, windings: max_winding + 1 })
+    }
+
+    /// Whether a place lies within the horizon, where no ray ends, or upon it.
+    fn is_hidden(&self, place: &Place) -> bool {
+        !place.is_infinite && place.position.distance(self.center) <= self.medium.horizon()
     }
 }
 
@@ -153,16 +170,26 @@ impl<M: ConformallyFlat> Sight for Lensed<M> {
     }
 
     fn link(&self, x: &Place, y: &Place, winding: u32) -> Option<Link> {
+        if self.is_hidden(y) {
+            return None;
+        }
         let found = self.lens.connect(&x.site, &y.site, winding)?;
         Some(Link { direction: found.direction, arrival: found.arrival, spread: found.spread })
     }
 
     fn aim(&self, x: &Place, y: &Place, winding: u32) -> DVec3 {
+        if self.is_hidden(y) {
+            return (y.position - x.position).normalize_or_zero();
+        }
         self.lens.aim(&x.site, &y.site, winding)
     }
 
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)> {
         self.lens.ray(&x.site, direction, &y.site, arrival)
+    }
+
+    fn is_there(&self, at: DVec3, end: DVec3) -> bool {
+        at.distance_squared(end) <= NEAR * NEAR * end.distance_squared(self.center)
     }
 
     fn area_scale(&self, y: &Place) -> f64 {

@@ -8,7 +8,7 @@ use super::super::transport::{Found, Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::scatter::incidence;
-use crate::geometry::{Geometry, Segment, SurfacePoint};
+use crate::geometry::{Geometry, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
@@ -94,7 +94,7 @@ pub fn settle<T: Transport>(
         Outcome::Flying(next) => Progress::Flying(next),
         Outcome::Landed(landing) if is_bent => Progress::Landed(landing),
         Outcome::Escaped(direction) if is_bent => Progress::Escaped(direction),
-        Outcome::Landed(landing) => Progress::Ended(is_met(geometry, vertex.target, &landing)),
+        Outcome::Landed(landing) => Progress::Ended(is_met(illumination, vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(_) => Progress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_))),
         Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Progress::Ended(false),
@@ -148,14 +148,10 @@ fn passes<T: Transport>(
         && found.is_none_or(|found| course.parameter_beside(found.point) > s)
 }
 
-/// Whether a landing is on the side of the primitive that was aimed at.
-fn is_met(geometry: &Geometry, target: Target, landing: &Landing) -> bool {
-    let Target::Surface(primitive, front) = target else { return false };
-    if landing.primitive != primitive {
-        return false;
-    }
-    let SurfacePoint { normal, .. } = geometry.surface_point(primitive, landing.position);
-    (landing.direction.dot(normal) < 0.0) == front
+/// Whether a landing is where the ray was aimed at.
+fn is_met(illumination: &Illumination, target: Target, landing: &Landing) -> bool {
+    let Target::Surface(primitive, position) = target else { return false };
+    landing.primitive == primitive && illumination.sight.is_there(position, landing.position)
 }
 
 /// The share that light sampling leaves of light that the last bounce found: from a surface, or at infinity in
