@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::units::plural;
-use crate::scene::{Baked, SpacetimeKind, StepperKind, flag_name};
+use crate::scene::{Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
+use crate::shade::Material;
+use crate::trace::light_sampling;
 
 /// One stage.
 #[derive(Debug, PartialEq, Serialize)]
@@ -99,10 +101,27 @@ fn lights(scene: &Baked) -> Stage {
         || scene.materials.iter().any(|material| material.emits())
         || scene.punctual.iter().any(|light| light.emits());
     if !lit {
-        stage("light", false, "no lights: the picture will be black")
-    } else {
-        stage("light", true, "paths that meet light count it")
+        return stage("light", false, "no lights: the picture will be black");
     }
+    let settings = &scene.settings;
+    let Some(lights) = light_sampling(scene) else {
+        let why = match settings.light_sampling {
+            LightSampling::Off => "light sampling is off",
+            _ if !scene.materials.iter().any(Material::spreads_light) => "nothing diffuse to be lit",
+            _ => "nothing that rays do not find as well by themselves",
+        };
+        return stage("light", false, format!("{why}: paths that meet light count it"));
+    };
+    let way = match (settings.light_sampling, scene.spacetime) {
+        (_, SpacetimeKind::Flat) => "along straight lines".to_owned(),
+        (LightSampling::Straight, _) => "along straight lines, wrong here".to_owned(),
+        _ => format!("along geodesics of winding number 0 to {}", settings.max_winding),
+    };
+    let also = if lights.is_guided { ", and through mirrors and glass as photons came" } else { "" };
+    let surfaces = plural(lights.surfaces, "surface", "surfaces");
+    let points = plural(lights.punctual, "light without extent", "lights without extent");
+    let sky = if lights.sky { " and the sky" } else { "" };
+    stage("light", true, format!("rays to {surfaces}, {points}{sky}, {way}{also}"))
 }
 
 fn aovs() -> Stage {
@@ -129,7 +148,6 @@ pub(super) mod tests {
             entities: Vec::new(),
             punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
-            punctual: Vec::new(),
             settings: Settings::default(),
             warnings: Vec::new(),
         }

@@ -28,6 +28,31 @@ pub struct Illumination {
 /// Least orientation factor of lights where the straight direction to them is a guess.
 const FLOOR: f64 = 0.1;
 
+/// What light sampling finds in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightSummary {
+    /// Surfaces that emit.
+    pub surfaces: usize,
+    /// Lights without extent.
+    pub punctual: usize,
+    /// Whether directions of the sky are sampled.
+    pub sky: bool,
+    /// Whether rays are guided through mirrors and glass.
+    pub is_guided: bool,
+}
+
+/// What light sampling will do for `scene`; `None` where it is off or of no use.
+pub fn light_sampling(scene: &Baked) -> Option<LightSummary> {
+    let Illumination { lights, heuristic, .. } = Illumination::of(scene)?;
+    let surfaces = lights.emitters().len();
+    Some(LightSummary {
+        surfaces,
+        punctual: scene.punctual.len(),
+        sky: lights.has_sky(),
+        is_guided: heuristic.is_some() && surfaces > 0 && photons::is_useful(scene),
+    })
+}
+
 impl Illumination {
     /// Light sampling for `scene`; `None` where it is off or of no use.
     pub fn of(scene: &Baked) -> Option<Self> {

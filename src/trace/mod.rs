@@ -42,6 +42,7 @@ use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::{Curved, Lane};
 pub use fate::Fate;
 use illumination::Illumination;
+pub use illumination::{LightSummary, light_sampling};
 use paper::PaperMarch;
 use samples::{Samples, Wanted};
 pub use shoot::{Ray, Shot, shoot};

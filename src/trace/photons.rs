@@ -17,10 +17,14 @@ const MOST: usize = 1 << 19;
 /// Most mirrors and glass surfaces on the way of a photon.
 const MOST_HOPS: u32 = 8;
 
+/// Whether there are mirrors or glass for photons to go through.
+pub fn is_useful(scene: &Baked) -> bool {
+    scene.materials.iter().any(|material| material.is_specular())
+}
+
 /// Sends photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
 /// glass, no surfaces that emit.
 pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Option<Guide> {
-    let bends = scene.materials.iter().any(|material| material.is_specular());
     let powers: Vec<f64> = lights
         .emitters()
         .iter()
@@ -30,7 +34,7 @@ pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Opt
         })
         .collect();
     let total = *powers.last()?;
-    if !bends || !(total > 0.0 && total.is_finite()) {
+    if !is_useful(scene) || !total.is_finite() || total <= 0.0 {
         return None;
     }
     let sampler = Sampler::independent(scene.settings.seed);

@@ -8,7 +8,7 @@ use super::super::transport::{Found, Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::scatter::incidence;
-use crate::geometry::{Geometry, Segment};
+use crate::geometry::Segment;
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
