@@ -133,7 +133,7 @@ pub(super) mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::geometry::{Geometry, Primitives};
+    use crate::geometry::{Geometry, Primitives, Sphere, Surface};
     use crate::scene::{Camera, Settings};
     use crate::shade::{Environment, Material};
 
@@ -174,12 +174,23 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_scene_without_light_says_so() {
+    fn light_sampling_runs_where_there_is_light_to_sample_and_says_why_not_elsewhere() {
         let mut scene = empty_scene(SpacetimeKind::Flat);
-        assert!(find(&scene, "light").runs);
+        let sampling = |scene: &Baked| {
+            let stage = find(scene, "light");
+            (stage.runs, stage.why)
+        };
+        assert!(sampling(&scene).1.contains("as well by themselves"), "an even sky");
         scene.environment = Environment::Black;
-        assert!(find(&scene, "light").why.contains("no lights"));
+        assert!(sampling(&scene).1.contains("no lights"));
         scene.materials[0].emission = Vec3::ONE;
-        assert!(find(&scene, "light").runs && find(&scene, "emit").runs);
+        let lamp = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let surface = Surface { material: 0, entity: 0 };
+        let primitives = Primitives { spheres: vec![(lamp, surface)], ..Primitives::default() };
+        scene.geometry = Geometry::build(primitives);
+        let (runs, why) = sampling(&scene);
+        assert!(runs && why.contains("1 surface") && why.contains("along straight lines"), "{why}");
+        scene.settings.light_sampling = LightSampling::Off;
+        assert!(sampling(&scene).1.contains("off"));
     }
 }
