@@ -207,21 +207,21 @@ fn compare(name: &str, image: &Image, bound: f64) {
 #[test]
 fn walls_that_are_spheres_of_radius_1e5_match_a_double_precision_tracer() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    compare("a", &render(&sphere_walls(folder.path()), 256), 0.003);
+    compare("a", &render(&sphere_walls(folder.path()), 128), 0.003);
 }
 
 #[test]
 fn planar_walls_with_mirror_and_glass_match_mitsuba() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    compare("p", &render(&planar_walls(folder.path()), 256), 0.003);
+    compare("p", &render(&planar_walls(folder.path()), 128), 0.003);
 }
 
 #[test]
 fn the_cornell_box_of_rectangles_matches_mitsuba() {
-    compare("b", &render(&data("cornell_b.glb"), 512), 0.003);
+    compare("b", &render(&data("cornell_b.glb"), 128), 0.003);
 }
 
 #[test]
 fn a_box_with_327_680_triangles_matches_mitsuba() {
-    compare("c", &render(&data("cornell_bumpy_c.glb"), 256), 0.005);
+    compare("c", &render(&data("cornell_bumpy_c.glb"), 64), 0.005);
 }

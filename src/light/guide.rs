@@ -118,39 +118,16 @@ impl Guide {
         Some(guide)
     }
 
-    /// Share of light samples at `x` that are to be taken from here.
-    pub fn share(&self, x: DVec3) -> f64 {
-        self.leaf_index(x).map_or(0.0, |leaf| self.leaves[leaf].share)
-    }
-
-    /// A unit direction at `x` and its density in solid angle, from three numbers in [0, 1).
-    pub fn sample(&self, x: DVec3, [choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
-        let lobes = self.lobes_at(x);
-        let mut left = choice;
-        let lobe = lobes.iter().find(|lobe| {
-            left -= lobe.weight;
-            left < 0.0
-        });
-        let direction = lobe.or(lobes.last())?.sample(x, u, v);
-        let density = self.density(x, direction);
-        (density > 0.0).then_some((direction, density))
-    }
-
-    /// Density of a unit direction at `x`.
-    pub fn density(&self, x: DVec3, direction: DVec3) -> f64 {
-        self.lobes_at(x).iter().map(|lobe| lobe.weight * lobe.density(x, direction)).sum()
+    /// What is known around `x`; `None` if no photon landed near it.
+    pub fn around(&self, x: DVec3) -> Option<Neighbourhood<'_>> {
+        let leaf = self.leaves[self.leaf_index(x)?];
+        let lobes = &self.lobes[leaf.first as usize..][..leaf.count as usize];
+        Some(Neighbourhood { share: leaf.share, lobes })
     }
 
     /// Heap memory, bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..]) + size_of_val(&self.lobes[..])
-    }
-
-    fn lobes_at(&self, x: DVec3) -> &[Lobe] {
-        match self.leaf_index(x).map(|leaf| &self.leaves[leaf]) {
-            Some(leaf) => &self.lobes[leaf.first as usize..][..leaf.count as usize],
-            None => &[],
-        }
     }
 
     /// The leaf around `x`, if its photons are near.
@@ -204,6 +181,33 @@ impl Guide {
         }
         let count = self.lobes.len() as u32 - first;
         self.leaves.push(Leaf { middle, reach: diagonal, first, count, share: 0.0 });
+    }
+}
+
+/// Directions of light through mirrors and glass in a neighbourhood.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbourhood<'a> {
+    /// Share of light samples that are to be taken from here.
+    pub share: f64,
+    lobes: &'a [Lobe],
+}
+
+impl Neighbourhood<'_> {
+    /// A unit direction at `x` and its density in solid angle, from three numbers in [0, 1).
+    pub fn sample(&self, x: DVec3, [choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
+        let mut left = choice;
+        let lobe = self.lobes.iter().find(|lobe| {
+            left -= lobe.weight;
+            left < 0.0
+        });
+        let direction = lobe.or(self.lobes.last())?.sample(x, u, v);
+        let density = self.density(x, direction);
+        (density > 0.0).then_some((direction, density))
+    }
+
+    /// Density of a unit direction at `x`.
+    pub fn density(&self, x: DVec3, direction: DVec3) -> f64 {
+        self.lobes.iter().map(|lobe| lobe.weight * lobe.density(x, direction)).sum()
     }
 }
 

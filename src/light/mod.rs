@@ -24,7 +24,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 
 pub use emitter::{Cap, Emitter, Spot, View};
-pub use guide::{Guide, Photon};
+pub use guide::{Guide, Neighbourhood, Photon};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
 pub use sight::{Lensed, Link, Place, Sight, Straight};
@@ -85,6 +85,8 @@ pub struct LightSample {
 pub enum Incoming {
     /// Radiance, and the density of its direction in solid angle: rays of a surface can find it, too.
     Radiance(Vec3, f64),
+    /// Radiance of the sky in a unit direction at infinity, and the density of the direction here in solid angle.
+    Sky(DVec3, f64),
     /// Irradiance on a surface that faces it, divided by the probability of the sample: of lights without extent.
     Irradiance(Vec3),
 }
@@ -194,12 +196,13 @@ impl Lights {
             (direction, Incoming::Irradiance(irradiance))
         } else {
             let (direction, density) = self.sky.as_ref()?.sample(u[2], u[3])?;
-            (direction, Incoming::Radiance(Vec3::ZERO, density * sky))
+            (direction, Incoming::Sky(direction, density * sky))
         };
         let place = sight.infinity(to);
         let (winding, odds) = choose_winding(sight, &receiver.place, &place, u[1])?;
         let link = sight.link(&receiver.place, &place, winding)?;
         let light = match light {
+            Incoming::Sky(at_infinity, density) => Incoming::Sky(at_infinity, density * odds / link.spread),
             Incoming::Radiance(radiance, density) => {
                 Incoming::Radiance(radiance, density * odds / link.spread)
             }

@@ -59,7 +59,7 @@ fn every_scene_of_the_repository_loads() {
         assert!(!baked.entities.is_empty());
         count += 1;
     }
-    assert_eq!(count, 9);
+    assert_eq!(count, 10);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use super::work::Job;
 use crate::light::{
-    Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Receiver, Sight, Straight, Target,
+    Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Neighbourhood, Receiver, Sight, Straight, Target,
 };
 use crate::scene::{Baked, LightSampling, SpacetimeKind};
 use crate::spacetime::Schwarzschild;
@@ -92,10 +92,10 @@ impl Illumination {
     /// A direction in which light may come to `receiver`, from four numbers in [0, 1): densities and probabilities are
     /// those of the whole choice.
     pub fn sample(&self, receiver: &Receiver, [choice, u, v, w]: [f64; 4]) -> Option<LightSample> {
-        let bent = self.bent_share(receiver);
+        let near = self.near(receiver);
+        let bent = near.map_or(0.0, |near| near.share);
         if choice < bent {
-            let (direction, density) =
-                self.guide.as_ref()?.sample(receiver.place.position, [choice / bent, v, w])?;
+            let (direction, density) = near?.sample(receiver.place.position, [choice / bent, v, w])?;
             let light = Incoming::Radiance(Vec3::ONE, bent * density);
             return Some(LightSample { direction, target: Target::Bent, light });
         }
@@ -105,6 +105,7 @@ impl Illumination {
             self.lights.sample(self.sight.as_ref(), receiver, numbers)?;
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
+            Incoming::Sky(at_infinity, density) => Incoming::Sky(at_infinity, direct * density),
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })
@@ -114,10 +115,10 @@ impl Illumination {
     /// normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
         let receiver = Receiver { place: self.sight.place(vertex.position), normal: vertex.normal };
-        let bent = self.bent_share(&receiver);
+        let near = self.near(&receiver);
         if vertex.is_bent {
-            let density = |guide: &Guide| bent * guide.density(vertex.position, vertex.direction);
-            return self.guide.as_ref().map_or(0.0, density);
+            let density = |near: Neighbourhood| near.share * near.density(vertex.position, vertex.direction);
+            return near.map_or(0.0, density);
         }
         let (sight, out) = (self.sight.as_ref(), vertex.direction);
         let density = match surface {
@@ -127,12 +128,12 @@ impl Illumination {
             }
             None => self.lights.sky_density(sight, &receiver, out, direction),
         };
-        (1.0 - bent) * density
+        (1.0 - near.map_or(0.0, |near| near.share)) * density
     }
 
-    /// Share of samples that go through mirrors and glass.
-    fn bent_share(&self, receiver: &Receiver) -> f64 {
-        self.guide.as_ref().map_or(0.0, |guide| guide.share(receiver.place.position))
+    /// What is known of light through mirrors and glass at a receiver.
+    fn near(&self, receiver: &Receiver) -> Option<Neighbourhood<'_>> {
+        self.guide.as_ref()?.around(receiver.place.position)
     }
 
     /// Share of a light sample of density `sampled` that a surface would find with density `found`.
