@@ -83,6 +83,8 @@ pub struct LightSample {
 pub enum Incoming {
     /// Radiance, and the density of its direction in solid angle: rays of a surface can find it, too.
     Radiance(Vec3, f64),
+    /// The radiance of the sky in a unit direction at infinity, and the density as above.
+    Sky(DVec3, f64),
     /// Irradiance on a surface that faces it, divided by the probability of the sample: of lights without extent.
     Irradiance(Vec3),
 }
@@ -192,7 +194,7 @@ impl Lights {
             (direction, Incoming::Irradiance(irradiance))
         } else {
             let (direction, density) = self.sky.as_ref()?.sample(u[2], u[3])?;
-            (direction, Incoming::Radiance(Vec3::ZERO, density * sky))
+            (direction, Incoming::Sky(direction, density * sky))
         };
         let place = sight.infinity(to);
         let (winding, odds) = choose_winding(sight, &receiver.place, &place, u[1])?;
@@ -201,6 +203,7 @@ impl Lights {
             Incoming::Radiance(radiance, density) => {
                 Incoming::Radiance(radiance, density * odds / link.spread)
             }
+            Incoming::Sky(to, density) => Incoming::Sky(to, density * odds / link.spread),
             Incoming::Irradiance(light) => Incoming::Irradiance(light * (link.spread / odds) as f32),
         };
         Some(LightSample { direction: link.direction, target: Target::Infinity, light })
@@ -329,7 +332,7 @@ fn view(sight: &dyn Sight, emitter: &Emitter, x: &Place, middle: &Place, winding
         return View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
     }
     View {
-        distance: x.position.distance(middle.position),
+        distance: sight.distance(x, middle, winding),
         direction: sight.aim(x, middle, winding),
         is_exact: sight.is_straight(),
     }

@@ -77,6 +77,7 @@ impl Illumination {
             self.lights.sample(self.sight.as_ref(), receiver, numbers)?;
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
+            Incoming::Sky(to, density) => Incoming::Sky(to, direct * density),
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })

@@ -8,7 +8,7 @@ use super::super::transport::{Found, Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::scatter::incidence;
-use crate::geometry::{Geometry, Segment};
+use crate::geometry::Segment;
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
@@ -47,12 +47,14 @@ pub fn propose(
     let receiver = Receiver { place: illumination.sight.place(position), normal: incidence.facing().0 };
     let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
+    let shared = |radiance: Vec3, density: f64| {
+        // What is 0/0 where images merge is 0: the surface finds it.
+        let share = illumination.share_of_sample(density, found) / density;
+        (if share.is_finite() { share as f32 } else { 0.0 }) * radiance
+    };
     let light = match light {
-        Incoming::Radiance(radiance, density) => {
-            // What is 0/0 where images merge is 0: the surface finds it.
-            let share = illumination.share_of_sample(density, found) / density;
-            (if share.is_finite() { share as f32 } else { 0.0 }) * radiance
-        }
+        Incoming::Radiance(radiance, density) => shared(radiance, density),
+        Incoming::Sky(to, density) => shared(job.scene.environment.radiance(to), density),
         Incoming::Irradiance(irradiance) => irradiance,
     };
     let brings = path.throughput * bsdf * light;
