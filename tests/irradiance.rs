@@ -1,9 +1,11 @@
-//! Irradiance of small patches: under a white sky with a hole in it, and from spheres and rectangles in flat space.
+//! Irradiance of small patches: under a white sky with a hole in it, and from spheres, rectangles, triangles and disks in
+//! flat space, found by chance and aimed at.
 
 mod common;
 
 use common::{
-    Row, camera, film, hole, material, mean_red, mesh, rectangle, render, scene_with, sphere, table,
+    Random, Row, camera, film, hole, material, mean_red, mesh, obj, rectangle, render, scene_with, sphere,
+    table, vector,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -22,8 +24,9 @@ struct Patch {
 }
 
 impl Patch {
-    /// Its irradiance in what `around` describes.
-    fn irradiance(&self, around: &str, files: &[(&str, &str)]) -> f64 {
+    /// Its irradiance in what `around` describes, by `sampling`: `off`, what its rays run into; `straight`, in flat space,
+    /// what light samples find alone; `geodesic`, both.
+    fn irradiance(&self, sampling: &str, around: &str, files: &[(&str, &str)]) -> f64 {
         let Patch { place, normal, size } = *self;
         let u = normal.any_orthonormal_vector();
         let patch = rectangle(DVec3::ZERO, 0.5 * size * u, 0.5 * size * normal.cross(u));
@@ -31,6 +34,7 @@ impl Patch {
             + &camera(place + 0.2 * size * normal, place, 1.0)
             + &film(1, 1)
             + &format!("[render]\nspp = {SAMPLES}\nmax_depth = 2\nroulette_depth = 2\n")
+            + &format!("light_sampling = \"{sampling}\"\n")
             + &material("white", 1.0, 0.0)
             + &material("light", 0.0, 1.0)
             + &mesh("patch.obj", place, "white");
@@ -69,7 +73,7 @@ fn beside_a_hole(row: &Row, column: &str, normal: DVec3) -> (String, f64, f64, f
     let exact = row.number(column);
     // The shadow's edge is a circle around the normal, so that samples are stratified across it.
     let allowed = 3e-3 * exact + 4.0 * PI / f64::from(SAMPLES);
-    (format!("{column} at rho = {rho}"), patch.irradiance(&around, &[]), exact, allowed)
+    (format!("{column} at rho = {rho}"), patch.irradiance("off", &around, &[]), exact, allowed)
 }
 
 #[test]
@@ -89,19 +93,34 @@ fn receiver(row: &Row) -> Patch {
     Patch { place: row.vector(["px", "py", "pz"]), normal, size: 1e-3 }
 }
 
+/// Irradiances by all ways to find light, each with what is allowed for it.
+fn by_all_ways(
+    name: &str,
+    patch: &Patch,
+    around: &str,
+    files: &[(&str, &str)],
+    exact: f64,
+) -> Vec<(String, f64, f64, f64)> {
+    let by = |sampling: &str| {
+        // What is aimed finds small lights as well as large ones.
+        let allowed = if sampling == "off" { allowed(exact) } else { 3e-3 * exact };
+        (format!("{name} {sampling}"), patch.irradiance(sampling, around, files), exact, allowed)
+    };
+    ["off", "straight", "geodesic"].map(by).to_vec()
+}
+
 #[test]
 fn spheres_light_a_patch_as_the_closed_form_says() {
     let rows = table("flat.csv");
     let errors: Vec<_> = rows
         .iter()
         .filter(|row| row.text("kind") == "sphere")
-        .map(|row| {
+        .flat_map(|row| {
             let light = sphere(row.vector(["cx", "cy", "cz"]), row.number("radius"), "light");
-            let exact = row.number("value");
-            (row.text("id").to_owned(), receiver(row).irradiance(&light, &[]), exact, allowed(exact))
+            by_all_ways(row.text("id"), &receiver(row), &light, &[], row.number("value"))
         })
         .collect();
-    judge(&errors, 30);
+    judge(&errors, 90);
 }
 
 #[test]
@@ -110,16 +129,69 @@ fn rectangles_light_a_patch_as_lamberts_formula_says() {
     let errors: Vec<_> = rows
         .iter()
         .filter(|row| row.text("kind") == "rectangle")
-        .map(|row| {
+        .flat_map(|row| {
             let (u, v) = (row.vector(["ux", "uy", "uz"]), row.vector(["vx", "vy", "vz"]));
             let light = rectangle(row.vector(["cx", "cy", "cz"]), 0.5 * u, 0.5 * v);
             let around = "[[entity]]\nmesh = \"light.obj\"\nmaterial = \"light\"\n";
-            let exact = row.number("value");
-            let got = receiver(row).irradiance(around, &[("light.obj", &light)]);
-            (row.text("id").to_owned(), got, exact, allowed(exact))
+            by_all_ways(row.text("id"), &receiver(row), around, &[("light.obj", &light)], row.number("value"))
         })
         .collect();
-    judge(&errors, 27);
+    judge(&errors, 81);
+}
+
+#[test]
+fn triangles_light_a_patch_as_lamberts_formula_says() {
+    let mut random = Random::new(1);
+    let mut errors = Vec::new();
+    let patch = Patch { place: DVec3::ZERO, normal: DVec3::Z, size: 1e-3 };
+    for number in 0..12 {
+        let size = random.log_between(0.05, 1.0);
+        let middle = DVec3::new(0.0, 0.0, 0.2 + 2.0 * size) + random.in_cube() * DVec3::new(1.0, 1.0, 0.1);
+        let corners = [0; 3].map(|_| middle + size * random.in_cube());
+        let edge = |i: usize| {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            0.5 * a.angle_between(b) * a.cross(b).normalize().z
+        };
+        let exact = (edge(0) + edge(1) + edge(2)).abs();
+        let light = obj(&corners, &[[0, 1, 2]]);
+        let around = "[[entity]]\nmesh = \"light.obj\"\nmaterial = \"light\"\n";
+        errors.extend(by_all_ways(
+            &format!("triangle {number}"),
+            &patch,
+            around,
+            &[("light.obj", &light)],
+            exact,
+        ));
+    }
+    judge(&errors, 36);
+}
+
+#[test]
+fn disks_light_a_parallel_patch_as_the_closed_form_says() {
+    // Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-13.
+    let exact = |h: f64, a: f64, r: f64| {
+        let (h, r) = (h / a, r / a);
+        let z = 1.0 + h * h + r * r;
+        0.5 * PI * (1.0 - (1.0 + h * h - r * r) / (z * z - 4.0 * r * r).sqrt())
+    };
+    let mut random = Random::new(2);
+    let mut errors = Vec::new();
+    let patch = Patch { place: DVec3::ZERO, normal: DVec3::Z, size: 1e-3 };
+    for number in 0..12 {
+        let (h, a) = (random.log_between(0.3, 3.0), random.log_between(0.01, 3.0));
+        let outer = random.log_between(0.05, 2.0);
+        let inner = if number % 2 == 0 { 0.0 } else { 0.7 * outer };
+        let center = DVec3::new(a, 0.0, h);
+        let light = format!(
+            "[[entity]]\ndisk = {{ center = {}, normal = [0, 0, {}], inner = {inner:?}, outer = {outer:?} }}\n\
+             material = \"light\"\n",
+            vector(center),
+            if number % 3 == 0 { 1 } else { -1 }
+        );
+        let exact = exact(h, a, outer) - if inner > 0.0 { exact(h, a, inner) } else { 0.0 };
+        errors.extend(by_all_ways(&format!("disk {number}"), &patch, &light, &[], exact));
+    }
+    judge(&errors, 36);
 }
 
 #[test]

@@ -57,6 +57,8 @@ fn scene_files(spp: u32) {
             ["film.width=48", "film.height=36", "render.max_depth=5", "spacetime.schwarzschild_radius=5"];
         let overrides = if name == "room_black_hole.toml" { &overrides[..3] } else { &overrides };
         let mut scene = scene_file(&scene_path(name), overrides);
+        // Nothing runs into a light without extent.
+        scene.punctual.clear();
         let with = picture(&mut scene, Geodesic, spp / 4, 1);
         let without = picture(&mut scene, Off, spp, 2);
         Agreement::of(&with, &without).check(name);
@@ -88,11 +90,6 @@ fn ways_agree(twists: &[Twist], spp: u32) {
             Agreement::of(&other, &reference).check(&what);
         }
     }
-}
-
-#[test]
-fn zz_tmp() {
-    ways_agree(&[Twist::Disk], 600);
 }
 
 #[test]

@@ -206,6 +206,7 @@ impl Lights {
             Incoming::Radiance(radiance, density) => {
                 Incoming::Radiance(radiance, density * odds / link.spread)
             }
+            Incoming::Sky(to, density) => Incoming::Sky(to, density * odds / link.spread),
             Incoming::Irradiance(light) => Incoming::Irradiance(light * (link.spread / odds) as f32),
         };
         Some(LightSample { direction: link.direction, target: Target::Infinity, light })
@@ -334,7 +335,7 @@ fn view(sight: &dyn Sight, emitter: &Emitter, x: &Place, middle: &Place, winding
         return View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
     }
     View {
-        distance: x.position.distance(middle.position),
+        distance: sight.distance(x, middle, winding),
         direction: sight.aim(x, middle, winding),
         is_exact: sight.is_straight(),
     }

@@ -47,6 +47,9 @@ pub trait Sight: Send + Sync {
     /// Roughly the unit direction in which that ray arrives; the same for the same places.
     fn aim(&self, x: &Place, y: &Place, winding: u32) -> DVec3;
 
+    /// Roughly the length of that ray, scene units; the same for the same places.
+    fn distance(&self, x: &Place, y: &Place, winding: u32) -> f64;
+
     /// Winding number and spread of a ray that leaves `x` in `direction` and arrives at `y` travelling along `arrival`.
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)>;
 
@@ -95,6 +98,10 @@ impl Sight for Straight {
         if y.is_infinite { y.position } else { (y.position - x.position).normalize_or_zero() }
     }
 
+    fn distance(&self, x: &Place, y: &Place, _: u32) -> f64 {
+        x.position.distance(y.position)
+    }
+
     fn ray(&self, x: &Place, _: DVec3, y: &Place, _: DVec3) -> Option<(u32, f64)> {
         let spread = if y.is_infinite { 1.0 } else { 1.0 / x.position.distance_squared(y.position) };
         Some((0, spread))
@@ -126,7 +133,7 @@ pub struct Lensed<M> {
 const TOLERANCE: f64 = 1e-5;
 /// How far from where it was aimed at a ray may end, relative to the distance from the centre: far more than its error
 /// and far less than there is between two crossings of a surface.
-const NEAR: f64 = 0.03;
+const NEAR: f64 = 0.01;
 /// Weight, beside that of the near way, of a ray that goes around, at least; it is weak but easily missed otherwise.
 const LEAST_ODDS: f64 = 0.02;
 /// The same of rays that go around more than once.
@@ -182,6 +189,13 @@ impl<M: ConformallyFlat> Sight for Lensed<M> {
             return (y.position - x.position).normalize_or_zero();
         }
         self.lens.aim(&x.site, &y.site, winding)
+    }
+
+    fn distance(&self, x: &Place, y: &Place, winding: u32) -> f64 {
+        if winding == 0 || self.is_hidden(y) {
+            return x.position.distance(y.position);
+        }
+        x.position.distance(self.center) + y.position.distance(self.center)
     }
 
     fn ray(&self, x: &Place, direction: DVec3, y: &Place, arrival: DVec3) -> Option<(u32, f64)> {
