@@ -206,7 +206,6 @@ impl Lights {
             Incoming::Radiance(radiance, density) => {
                 Incoming::Radiance(radiance, density * odds / link.spread)
             }
-            Incoming::Sky(to, density) => Incoming::Sky(to, density * odds / link.spread),
             Incoming::Irradiance(light) => Incoming::Irradiance(light * (link.spread / odds) as f32),
         };
         Some(LightSample { direction: link.direction, target: Target::Infinity, light })
