@@ -54,9 +54,8 @@ fn light_sampling_keeps_the_mean_of_a_furnace() {
     let bent = [0.3, 0.4, 0.93, 1.3].map(|radius| (hole(DVec3::ZERO, 1.0), inside(radius)));
     for (before, inside) in [(String::new(), String::new())].into_iter().chain(bent) {
         for heuristic in ["balance", "power"] {
-            let render = format!(
-                "[render]\nspp = 64\nmax_depth = 400\nroulette_depth = 5\nmis = \"{heuristic}\"\n"
-            );
+            let render =
+                format!("[render]\nspp = 64\nmax_depth = 400\nroulette_depth = 5\nmis = \"{heuristic}\"\n");
             let scene = furnace(&before, &render, 0.5, 0.5, &inside);
             let mean = common::mean_red(&common::render(&scene, &Run::default()));
             println!("{heuristic}, {inside:?}: {mean}");

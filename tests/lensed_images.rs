@@ -49,7 +49,10 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     }
     // The factor is per proper area.
     let scale = (1.0 + r_s / (4.0 * y.length())).powi(4);
-    rows.iter().zip(sums).map(|(row, sum)| sum / (PI * radius * radius * scale * row.number("G_xy"))).collect()
+    rows.iter()
+        .zip(sums)
+        .map(|(row, sum)| sum / (PI * radius * radius * scale * row.number("G_xy")))
+        .collect()
 }
 
 #[test]

@@ -68,12 +68,17 @@ impl Lit {
     }
 
     /// Where rays from `receiver` end.
-    fn follow(&self, (receiver, leaves): &(Receiver, PrimitiveId), directions: &[DVec3]) -> Vec<Option<Landing>> {
+    fn follow(
+        &self,
+        (receiver, leaves): &(Receiver, PrimitiveId),
+        directions: &[DVec3],
+    ) -> Vec<Option<Landing>> {
         let rays: Vec<Ray> = directions
             .iter()
             .map(|&direction| Ray { position: receiver.place.position, direction, leaves: *leaves })
             .collect();
-        let landing = |end: &Outcome<_>| if let Outcome::Landed(landing) = end { Some(*landing) } else { None };
+        let landing =
+            |end: &Outcome<_>| if let Outcome::Landed(landing) = end { Some(*landing) } else { None };
         shoot(&self.scene, &rays).iter().map(|shot| landing(&shot.end)).collect()
     }
 
@@ -106,7 +111,8 @@ fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {
         for from in lit.receivers(&mut random, receivers) {
             let samples = lit.samples(&from.0, &mut random, count);
             let directions: Vec<DVec3> = samples.iter().map(|sample| sample.0).collect();
-            for (&(direction, target, density), landing) in samples.iter().zip(lit.follow(&from, &directions)) {
+            for (&(direction, target, density), landing) in samples.iter().zip(lit.follow(&from, &directions))
+            {
                 let Some(landing) = landing.filter(|landing| is_met(&lit, target, landing)) else { continue };
                 let error = (lit.density(&from.0, direction, &landing) / density - 1.0).abs();
                 let cos = landing.direction.dot(lit.normal(&landing));
@@ -120,7 +126,11 @@ fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {
             }
         }
     }
-    println!("{compared} densities, worst {worst:.1e}, {} beyond: {:?}", wrong.len(), &wrong[..wrong.len().min(20)]);
+    println!(
+        "{compared} densities, worst {worst:.1e}, {} beyond: {:?}",
+        wrong.len(),
+        &wrong[..wrong.len().min(20)]
+    );
     assert!(compared > 1000);
     // Where a ray winds itself around the photon sphere, one crossing of a surface is close to the next.
     assert!(wrong.iter().all(|wrong| wrong.2 > 1) && wrong.len() * 10_000 < compared);
@@ -142,10 +152,9 @@ fn densities_integrate(rooms: u64, receivers: usize, count: usize) {
         for from in lit.receivers(&mut random, receivers) {
             let directions: Vec<DVec3> = (0..count).map(|_| random.direction()).collect();
             let ends = lit.follow(&from, &directions);
-            let values = directions
-                .iter()
-                .zip(&ends)
-                .map(|(direction, end)| end.map_or(0.0, |end| 4.0 * PI * lit.density(&from.0, *direction, &end)));
+            let values = directions.iter().zip(&ends).map(|(direction, end)| {
+                end.map_or(0.0, |end| 4.0 * PI * lit.density(&from.0, *direction, &end))
+            });
             let (sum, square) = values.fold((0.0, 0.0), |(sum, square), v| (sum + v, square + v * v));
             let n = count as f64;
             let (mean, error2) = (sum / n, (square / n - (sum / n).powi(2)) / n);

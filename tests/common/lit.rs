@@ -87,7 +87,8 @@ pub fn room(random: &mut Random, twist: Twist, size: f64) -> Baked {
     let mut files = Vec::new();
     let ceiling = random.between(0.0, 1.0) < 0.3;
     let walls = common::closed_box(-corner, corner);
-    let open: String = walls.lines().take(if ceiling { 8 + 8 } else { 8 + 12 }).map(|l| format!("{l}\n")).collect();
+    let open: String =
+        walls.lines().take(if ceiling { 8 + 8 } else { 8 + 12 }).map(|l| format!("{l}\n")).collect();
     files.push(("room.obj".to_owned(), open));
     text += "[[entity]]\nmesh = \"room.obj\"\nmaterial = \"wall\"\n";
     let side = |random: &mut Random| if random.between(0.0, 1.0) < 0.5 { "one" } else { "two" };
@@ -167,7 +168,11 @@ impl Agreement {
             image.plane(name).expect(name).iter().map(|&v| f64::from(v)).sum()
         };
         let variance = sum(a, "variance.G") + sum(b, "variance.G");
-        let z = noise.means.iter().flatten().fold(0.0f64, |worst, z| if z.abs() > worst.abs() { *z } else { worst });
+        let z = noise
+            .means
+            .iter()
+            .flatten()
+            .fold(0.0f64, |worst, z| if z.abs() > worst.abs() { *z } else { worst });
         Self {
             z,
             error: variance.sqrt() / sum(b, "G"),
