@@ -62,8 +62,24 @@ fn both_schedules_give_the_same_bits_with_every_stepper_and_sampler() {
 }
 
 #[test]
+fn both_schedules_give_the_same_bits_with_every_way_to_sample_lights() {
+    for name in ["cornell_black_hole.toml", "hole_in_glass.toml", "room_black_hole.toml"] {
+        for way in [
+            "light_sampling=off",
+            "light_sampling=straight",
+            "max_winding=0",
+            "max_winding=3",
+            "mis=power",
+            "max_depth=2",
+        ] {
+            assert_schedules_agree(&scene_path(name), &[&format!("render.{way}")]);
+        }
+    }
+}
+
+#[test]
 fn one_two_and_three_threads_give_the_same_bits() {
-    for name in ["cornell_black_hole.toml", "teapot_black_hole.toml"] {
+    for name in ["cornell_black_hole.toml", "teapot_black_hole.toml", "room_black_hole.toml"] {
         let with = |threads| image(&scene_path(name), &[], &Run { threads, ..run() });
         let one = with(1);
         assert_same_bits(&one, &with(2), name);
@@ -73,9 +89,10 @@ fn one_two_and_three_threads_give_the_same_bits() {
 
 #[test]
 fn small_and_large_batches_give_the_same_bits() {
-    for name in ["cornell_black_hole.toml", "cornell_flat.toml"] {
+    for name in ["cornell_black_hole.toml", "cornell_flat.toml", "room_black_hole.toml"] {
         let with = |batch| image(&scene_path(name), &[], &Run { batch, ..run() });
         assert_same_bits(&with(64), &with(65536), name);
+        assert_same_bits(&with(1), &with(64), name);
     }
 }
 
