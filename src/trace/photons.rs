@@ -30,7 +30,7 @@ pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Opt
         })
         .collect();
     let total = *powers.last()?;
-    if !bends || !(total > 0.0 && total.is_finite()) {
+    if !(bends && total > 0.0 && total.is_finite()) {
         return None;
     }
     let sampler = Sampler::independent(scene.settings.seed);
