@@ -183,5 +183,5 @@ fn densities_integrate(rooms: u64, receivers: usize, count: usize) {
 
 #[test]
 fn densities_integrate_to_the_share_of_samples_that_meet_their_lights() {
-    densities_integrate(24, 8, 40_000);
+    densities_integrate(24, 4, 20_000);
 }
