@@ -22,6 +22,8 @@ columns! {
         direction: DVec3,
         /// Density of that direction in solid angle; 0 if light sampling cannot choose it: at the camera, off a mirror.
         density: f64,
+        /// The probability with which a light ray was sent out.
+        chance: f64,
         /// Whether the path has met mirrors or glass since.
         is_bent: bool,
         /// Whether the ray in flight is a light ray.

@@ -27,8 +27,15 @@ pub struct LightRay {
 const SETS: u32 = 1 << 16;
 /// Those of light rays at mirrors and glass.
 const BENT_SETS: u32 = 2 << 16;
+/// Least probability of a light ray.
+const LEAST_CHANCE: f64 = 0.1;
 /// How far from a light without extent a ray may pass that was aimed at it, relative to the move.
 const NEAR: f64 = 1e-3;
+
+/// The probability with which a path sends out a light ray: where it carries little, few are worth their time.
+pub fn chance(path: &Path) -> f64 {
+    f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
+}
 
 /// A ray from `landing` to a light; `None` if it would bring nothing.
 #[inline]
@@ -43,19 +50,25 @@ pub fn propose(
     if path.depth >= job.settings.max_depth || !material.spreads_light() {
         return None;
     }
-    let numbers = job.sampler.four(path.pixel, path.sample, SETS + path.depth).map(f64::from);
+    let mut numbers = job.sampler.four(path.pixel, path.sample, SETS + path.depth).map(f64::from);
+    let chance = chance(path);
+    if numbers[0] >= chance {
+        return None;
+    }
+    numbers[0] /= chance;
     let receiver = Receiver { place: illumination.sight.place(position), normal: incidence.facing().0 };
     let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
     // What is 0/0 where images merge is 0: the surface finds it.
     let shared = |radiance: Vec3, density: f64| {
+        let density = chance * density;
         let share = illumination.share_of_sample(density, found) / density;
         (if share.is_finite() { share as f32 } else { 0.0 }) * radiance
     };
     let light = match light {
         Incoming::Radiance(radiance, density) => shared(radiance, density),
         Incoming::Sky(at_infinity, density) => shared(job.scene.environment.radiance(at_infinity), density),
-        Incoming::Irradiance(irradiance) => irradiance,
+        Incoming::Irradiance(irradiance) => irradiance / chance as f32,
     };
     let brings = path.throughput * bsdf * light;
     (brings != Vec3::ZERO && brings.is_finite()).then_some(LightRay { direction, target, brings })
@@ -161,6 +174,6 @@ fn is_met(illumination: &Illumination, target: Target, landing: &Landing) -> boo
 #[inline]
 pub fn share(job: &Job, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f32 {
     let Some(illumination) = job.illumination.as_ref().filter(|_| vertex.density > 0.0) else { return 1.0 };
-    let density = illumination.density(vertex, direction, surface);
+    let density = vertex.chance * illumination.density(vertex, direction, surface);
     illumination.share_of_find(density, vertex.density) as f32
 }

@@ -8,7 +8,7 @@ use super::super::transport::Landing;
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::emit::emit;
-use super::light::propose;
+use super::light::{self, propose};
 use super::record::record_hit;
 use super::scatter::{incidence, scatter};
 use crate::light::Target;
@@ -35,7 +35,7 @@ pub fn shade(
         vertex.is_bent = true;
         return scatter(job, path, &incidence).map(|bounce| bounce.direction);
     }
-    let depth = path.depth + 1;
+    let (depth, chance) = (path.depth + 1, light::chance(path));
     let light_ray = propose(job, illumination, path, &incidence, landing.position);
     let bounce = scatter(job, path, &incidence);
     *vertex = Vertex {
@@ -45,6 +45,7 @@ pub fn shade(
         continues: bounce.is_some(),
         direction: bounce.map_or(DVec3::ZERO, |bounce| bounce.direction),
         density: bounce.map_or(0.0, |bounce| bounce.density),
+        chance,
         is_bent: false,
         is_lit: light_ray.is_some(),
         depth,
