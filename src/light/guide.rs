@@ -125,11 +125,6 @@ impl Guide {
         Some(Neighbourhood { share: leaf.share, lobes })
     }
 
-    /// Heap memory, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..]) + size_of_val(&self.lobes[..])
-    }
-
     /// The leaf around `x`, if its photons are near.
     fn leaf_index(&self, x: DVec3) -> Option<usize> {
         let mut node = 0;

@@ -35,7 +35,6 @@ use crate::geometry::{Geometry, PrimitiveId};
 use crate::shade::{Environment, Material};
 
 /// All light that can be sampled.
-#[derive(Default)]
 pub struct Lights {
     /// Surfaces.
     emitters: Vec<Emitter>,
@@ -164,13 +163,6 @@ impl Lights {
     /// Position of the light that [`Target::Point`] names.
     pub fn point(&self, index: u32) -> Option<DVec3> {
         self.points.get(index as usize)?.position()
-    }
-
-    /// Heap memory, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        self.emitters.len() * (size_of::<Emitter>() + size_of::<(PrimitiveId, u32)>())
-            + self.tree.memory_bytes()
-            + self.sky.as_ref().map_or(0, Sky::memory_bytes)
     }
 
     /// Probabilities of the kinds of light: somewhere, distant, the sky.

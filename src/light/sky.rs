@@ -66,11 +66,6 @@ impl Sky {
         if sin > 0.0 { self.texel_density(row, column, sin) } else { 0.0 }
     }
 
-    /// Heap memory, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        size_of::<f64>() * (self.rows.len() + self.columns.len())
-    }
-
     fn row(&self, row: usize) -> &[f64] {
         &self.columns[row * (self.width + 1)..(row + 1) * (self.width + 1)]
     }

@@ -136,11 +136,6 @@ impl Tree {
         self.root.is_none()
     }
 
-    /// Heap memory, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        size_of::<Node>() * self.nodes.len() + size_of::<u64>() * self.trails.len()
-    }
-
     fn receiver(&self, x: DVec3, normal: Option<DVec3>) -> Receiver {
         Receiver { x: x - self.origin, normal }
     }
