@@ -120,7 +120,7 @@ fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {
                 compared += 1;
                 if error > bound {
                     wrong.push((number, twist, lit.sight.windings() - 1, error, cos, density));
-                } else {
+                } else if cos.abs() > 0.1 {
                     worst = worst.max(error);
                 }
             }
