@@ -146,6 +146,7 @@ pub(super) mod tests {
             geometry: Geometry::build(Primitives::default()),
             materials: vec![Material::default()],
             entities: Vec::new(),
+            punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
             settings: Settings::default(),
             warnings: Vec::new(),
