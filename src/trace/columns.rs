@@ -6,6 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::path::Gathers;
 use crate::geometry::PrimitiveId;
 use crate::light::Target;
 use crate::shade::Media;
@@ -39,7 +40,7 @@ macro_rules! plain_field {
         }
     )*};
 }
-plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media, Target);
+plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media, Target, Gathers);
 
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(

@@ -9,11 +9,12 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::edges::Edges;
 use super::shoot::{Ray, Shot, follow};
 use super::stages::generate::generate;
 use super::stages::scatter::{incidence, scatter};
 use super::transport::{Outcome, Transport};
-use super::work::{Job, Work};
+use super::work::{Job, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::{Cap, Lights};
 
@@ -36,7 +37,8 @@ pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lig
     let settings = job.settings;
     let size = (settings.width, settings.height);
     let pixels = size.0 * size.1;
-    let work = Work { origin: (0, 0), size, first_sample: 0, samples: 1 };
+    let none = Edges::default();
+    let work = Work { origin: (0, 0), size, first_sample: 0, samples: 1, share: Share::Whole(&none) };
     let stride = pixels.div_ceil(PATHS).max(1);
     let met: Vec<Vec<(PrimitiveId, DVec3)>> = (0..pixels)
         .into_par_iter()

@@ -5,6 +5,7 @@
 
 mod columns;
 mod curved;
+mod edges;
 mod exposure;
 mod fate;
 mod illumination;
@@ -26,9 +27,9 @@ pub mod transport;
 mod vertex;
 mod wavefront;
 mod work;
+mod worker;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -36,23 +37,24 @@ use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
 use crate::geodesic::Control;
-use crate::scene::{Baked, Precision, SamplerKind, Schedule, SpacetimeKind};
+use crate::scene::{Baked, Precision, SamplerKind, SpacetimeKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::{Curved, Lane};
+use edges::Edges;
 pub use fate::Fate;
 use illumination::Illumination;
 pub use illumination::{LightSummary, light_sampling};
 use paper::PaperMarch;
-use samples::{Samples, Wanted};
+use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
 pub use trail::{Trail, trails};
 use transport::{Errand, Transport};
-use wavefront::Wavefront;
 use work::Job;
+use worker::Workers;
 
 /// How a render runs; none of it changes a pixel's value, except by ending early.
 #[derive(Clone, Debug)]
@@ -257,41 +259,28 @@ impl Renderer<'_> {
         wanted: Wanted,
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
-        let threads = rayon::current_num_threads();
-        let wavefronts: Vec<Mutex<Wavefront<T>>> =
-            (0..threads).map(|_| Mutex::new(Wavefront::new(self.run.batch))).collect();
+        let workers = Workers::new(job, transport, wanted, self.run.batch);
+        let edges: Vec<Edges> = tiles.par_iter().map(|tile| workers.own().edges(tile)).collect();
         let pixels: u64 = tiles.iter().map(|tile| (tile.size.0 * tile.size.1) as u64).sum();
         let (done, total) = (AtomicU64::new(0), pixels * u64::from(job.settings.spp));
-        let (mut counters, mut times) = (Counters::default(), StageTimes::default());
         let mut first_passes = FIRST_PASSES.into_iter();
         let mut left = job.settings.spp;
         while left > 0 && !self.should_stop(started) {
             let count = first_passes.next().unwrap_or(PASS).min(left);
             left -= count;
-            let results: Vec<(Counters, StageTimes)> = tiles
-                .par_iter_mut()
-                .map(|tile| {
-                    if self.should_stop(started) {
-                        return Default::default();
-                    }
-                    // A worker thread never waits here: the wavefront is its own.
-                    let own = &wavefronts[rayon::current_thread_index().unwrap_or(0)];
-                    let mut wavefront = own.lock().unwrap_or_else(PoisonError::into_inner);
-                    let result = trace_tile(job, transport, tile, &mut wavefront, (wanted, count));
-                    let paths = done.fetch_add(result.0.paths, Ordering::Relaxed) + result.0.paths;
-                    (self.progress)(Progress { done: paths, total });
-                    result
-                })
-                .collect();
-            for (count, time) in &results {
-                counters.add(count);
-                times.add(time);
-            }
+            tiles.par_iter_mut().zip(&edges).for_each(|(tile, edges)| {
+                if self.should_stop(started) {
+                    return;
+                }
+                let paths = workers.own().add_samples(tile, edges, count);
+                let done = done.fetch_add(paths, Ordering::Relaxed) + paths;
+                (self.progress)(Progress { done, total });
+            });
             if self.is_quiet(tiles) {
                 break;
             }
         }
-        (counters, times, threads)
+        workers.finish()
     }
 
     fn should_stop(&self, started: Instant) -> bool {
@@ -311,25 +300,4 @@ impl Renderer<'_> {
             .fold((0.0, 0), |(e, n), (error, count)| (e + error, n + count));
         error <= noise * pixels as f64
     }
-}
-
-/// Traces `count` more samples of a tile's pixels.
-fn trace_tile<T: Transport>(
-    job: &Job,
-    transport: &T,
-    tile: &mut Tile,
-    wavefront: &mut Wavefront<T>,
-    (wanted, count): (Wanted, u32),
-) -> (Counters, StageTimes) {
-    let work = tile.work(count);
-    let mut samples = Samples::new(wanted, work.paths() as usize);
-    let (mut counters, mut times) = (Counters::default(), StageTimes::default());
-    match job.settings.schedule {
-        Schedule::Wavefront => {
-            wavefront.trace(job, transport, &work, &mut samples, &mut counters, &mut times)
-        }
-        Schedule::PerPixel => per_pixel::trace(job, transport, &work, &mut samples, &mut counters),
-    }
-    tile.add(&samples, count);
-    (counters, times)
 }

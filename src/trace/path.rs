@@ -5,6 +5,18 @@ use glam::Vec3;
 use super::columns::columns;
 use crate::shade::Media;
 
+/// Which light a path gathers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gathers {
+    /// All.
+    #[default]
+    All,
+    /// Only what the camera sees of lamps: directly, in mirrors and through glass. Such a path ends where it scatters.
+    Lamps,
+    /// All but that; all, once it has scattered.
+    Beyond,
+}
+
 columns! {
     /// A camera path under way.
     pub struct Path => PathBlock {
@@ -18,6 +30,8 @@ columns! {
         depth: u32,
         /// Product of bounce weights.
         throughput: Vec3,
+        /// Which light it gathers.
+        gathers: Gathers,
         /// Light gathered so far.
         radiance: Vec3,
         /// Dielectrics around the path.

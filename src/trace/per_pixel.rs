@@ -1,6 +1,7 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
 use super::fate::Fate;
+use super::path::Gathers;
 use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
@@ -39,7 +40,7 @@ fn trace_path<T: Transport>(
     let (mut path, position, direction) = generate(job, work, index);
     let mut flight = transport.launch(position, direction, PrimitiveId::NONE);
     let mut vertex = Vertex::default();
-    counters.paths += 1;
+    counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
     loop {
         let step = transport.advance(&flight);

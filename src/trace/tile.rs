@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 
 use super::fate::Fate;
 use super::samples::{FirstHit, Samples, Wanted};
-use super::work::Work;
 use crate::film::{Aov, BEAUTY, Image, Plane};
 
 /// Columns and rows of a tile.
@@ -53,12 +52,7 @@ impl Tile {
         }
     }
 
-    /// The tile's share of a pass of `samples` more samples.
-    pub fn work(&self, samples: u32) -> Work {
-        Work { origin: self.origin, size: self.size, first_sample: self.spp, samples }
-    }
-
-    /// Adds the results of [`Self::work`].
+    /// Adds `count` more samples of every pixel, pixel by pixel.
     pub fn add(&mut self, samples: &Samples, count: u32) {
         let per_pixel = count as usize;
         for (pixel, sums) in self.beauty.iter_mut().enumerate() {

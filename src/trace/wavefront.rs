@@ -6,7 +6,7 @@
 
 use super::columns::Columns;
 use super::fate::Fate;
-use super::path::Path;
+use super::path::{Gathers, Path};
 use super::samples::Samples;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
@@ -120,7 +120,7 @@ impl<T: Transport> Wavefront<T> {
             self.flights.set(self.live, transport.launch(position, direction, PrimitiveId::NONE));
             self.live += 1;
             *next += 1;
-            counters.paths += 1;
+            counters.paths += u64::from(path.gathers != Gathers::Lamps);
             counters.rays += 1;
         }
     }

@@ -2,16 +2,19 @@
 
 use glam::Vec3;
 
-use super::super::path::Path;
+use super::super::path::{Gathers, Path};
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::light::share;
 use crate::geometry::SurfacePoint;
 
-/// Adds what the surface emits towards a path that lands on it, less what light sampling finds.
+/// Adds what the surface emits towards a path that lands on it, less what light sampling finds, unless others gather that.
 #[inline]
 pub fn emit(job: &Job, surface: &SurfacePoint, landing: &Landing, vertex: &Vertex, path: &mut Path) {
+    if path.gathers == Gathers::Beyond {
+        return;
+    }
     let material = &job.scene.materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if material.emission != Vec3::ZERO && (front || material.emits_both_sides) {

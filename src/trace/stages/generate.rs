@@ -12,7 +12,7 @@ use crate::shade::Media;
 /// Paths are numbered sample by sample within each pixel, so that lanes next to each other see much the same scene.
 #[inline]
 pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
-    let (x, y) = work.pixel(index / work.samples);
+    let ((x, y), gathers) = work.path(index);
     let sample = work.first_sample + index % work.samples;
     let pixel = (y * job.settings.width + x) as u32;
     let [u, v, ..] = job.sampler.four(pixel, sample, 0).map(f64::from);
@@ -29,6 +29,7 @@ pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
         slot: index,
         depth: 1,
         throughput: Vec3::ONE,
+        gathers,
         radiance: Vec3::ZERO,
         media: Media::VACUUM,
     };

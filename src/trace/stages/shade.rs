@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::path::Path;
+use super::super::path::{Gathers, Path};
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
@@ -27,10 +27,15 @@ pub fn shade(
     record_hit(job, path, landing, &surface, samples);
     emit(job, &surface, landing, vertex, path);
     let incidence = incidence(&surface, landing.direction, path.media);
+    let is_specular = job.scene.materials[incidence.material as usize].is_specular();
+    match path.gathers {
+        Gathers::Lamps if !is_specular => return None,
+        Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
+        _ => {}
+    }
     let Some(illumination) = &job.illumination else {
         return scatter(job, path, &incidence).map(|bounce| bounce.direction);
     };
-    let is_specular = job.scene.materials[incidence.material as usize].is_specular();
     if is_specular && illumination.is_guided() {
         vertex.is_bent = true;
         return scatter(job, path, &incidence).map(|bounce| bounce.direction);

@@ -1,0 +1,92 @@
+//! Worker threads: each traces with its own wavefront and keeps its own counts.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::edges::Edges;
+use super::per_pixel;
+use super::samples::{Samples, Wanted};
+use super::stats::{Counters, StageTimes};
+use super::tile::Tile;
+use super::transport::Transport;
+use super::wavefront::Wavefront;
+use super::work::{Job, Share, Work};
+use crate::scene::Schedule;
+
+/// The worker threads of a render.
+pub struct Workers<'a, T: Transport>(Vec<Mutex<Worker<'a, T>>>);
+
+/// One of them.
+pub struct Worker<'a, T: Transport> {
+    job: &'a Job<'a>,
+    transport: &'a T,
+    wanted: Wanted,
+    wavefront: Wavefront<T>,
+    counters: Counters,
+    times: StageTimes,
+}
+
+impl<'a, T: Transport> Workers<'a, T> {
+    /// One for each of rayon's threads, with wavefronts of `batch` lanes.
+    pub fn new(job: &'a Job<'a>, transport: &'a T, wanted: Wanted, batch: usize) -> Self {
+        let worker = || Worker {
+            job,
+            transport,
+            wanted,
+            wavefront: Wavefront::new(batch),
+            counters: Counters::default(),
+            times: StageTimes::default(),
+        };
+        Self((0..rayon::current_num_threads()).map(|_| Mutex::new(worker())).collect())
+    }
+
+    /// The worker of the thread that asks; threads never wait here.
+    pub fn own(&self) -> MutexGuard<'_, Worker<'a, T>> {
+        self.0[rayon::current_thread_index().unwrap_or(0)].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What all of them did, how long it took them, and how many they are.
+    pub fn finish(self) -> (Counters, StageTimes, usize) {
+        let (mut counters, mut times) = (Counters::default(), StageTimes::default());
+        let threads = self.0.len();
+        for worker in self.0 {
+            let worker = worker.into_inner().unwrap_or_else(PoisonError::into_inner);
+            counters.add(&worker.counters);
+            times.add(&worker.times);
+        }
+        (counters, times, threads)
+    }
+}
+
+impl<T: Transport> Worker<'_, T> {
+    /// Where `tile` sees edges of lamps.
+    pub fn edges(&mut self, tile: &Tile) -> Edges {
+        let settings = self.job.settings;
+        if !Edges::are_useful(self.job.scene) {
+            return Edges::default();
+        }
+        Edges::find((tile.origin, tile.size), settings, |work| self.trace(work, Wanted::default()))
+    }
+
+    /// Adds `count` samples to each pixel of `tile`: how many camera paths that were.
+    pub fn add_samples(&mut self, tile: &mut Tile, edges: &Edges, count: u32) -> u64 {
+        let Tile { origin, size, spp: first_sample, .. } = *tile;
+        let work = Work { origin, size, first_sample, samples: count, share: Share::Whole(edges) };
+        let mut samples = self.trace(&work, self.wanted);
+        if let Some(work) = edges.work(&work) {
+            edges.add(&self.trace(&work, Wanted::default()), count, &mut samples);
+        }
+        tile.add(&samples, count);
+        u64::from(work.paths())
+    }
+
+    /// The samples of `work`, by the schedule of the settings.
+    fn trace(&mut self, work: &Work, wanted: Wanted) -> Samples {
+        let mut samples = Samples::new(wanted, work.paths() as usize);
+        let Self { job, transport, wavefront, counters, times, .. } = self;
+        match job.settings.schedule {
+            Schedule::Wavefront => wavefront.trace(job, *transport, work, &mut samples, counters, times),
+            Schedule::PerPixel => per_pixel::trace(job, *transport, work, &mut samples, counters),
+        }
+        samples
+    }
+}
