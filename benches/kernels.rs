@@ -78,7 +78,7 @@ mod steps {
         let start = |(x, direction): (DVec3, DVec3)| {
             let Launch { b, w, v, .. } = Launch::new(&medium, x, direction, R::EPSILON);
             let (b, phase) = (R::of(b), Phase::new(&medium, R::of(w), R::of(v)));
-            (b, phase, control.first_step::<_, S>(&medium, b, &phase))
+            (b, phase, control.first_step(&medium, S::ESTIMATE.order, b, &phase))
         };
         rays(ITEMS).into_iter().map(start).collect()
     }
@@ -452,7 +452,8 @@ fn marched_arcs(thickest: f64, (min, max): (DVec3, DVec3)) -> Vec<Arc> {
     for (x, direction) in rays(ITEMS / 4) {
         let launch = Launch::new(&medium, x, direction, f64::EPSILON);
         let (b, mut phase) = (launch.b, Phase::new(&medium, launch.w, launch.v));
-        let (mut h, mut previous, mut swept) = (control.first_step::<_, Rkn6>(&medium, b, &phase), 1.0, 0.0);
+        let (mut h, mut previous, mut swept) =
+            (control.first_step(&medium, Rkn6::ESTIMATE.order, b, &phase), 1.0, 0.0);
         for _ in 0..40 {
             let step = Step::new(&medium, &Rkn6, b, phase, h);
             let arc = fit_arc(&step);

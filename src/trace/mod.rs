@@ -3,18 +3,15 @@
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
 
-mod columns;
 mod curved;
 mod edges;
 mod exposure;
 mod fate;
 mod illumination;
-mod march;
 mod paper;
 mod path;
 mod per_pixel;
 mod photons;
-mod polish;
 mod samples;
 mod shoot;
 pub mod stages;
@@ -40,6 +37,7 @@ use crate::geodesic::Control;
 use crate::scene::{Baked, Precision, SamplerKind, SpacetimeKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
+use curved::march::march;
 use curved::{Curved, Lane};
 use edges::Edges;
 pub use fate::Fate;
@@ -162,12 +160,17 @@ impl<M: ConformallyFlat + 'static> Place<M> {
         let outer = R::of(self.chart.outer);
         Some(Curved {
             medium: self.medium,
-            march: march::march(self.medium, scene.settings.stepper, control, outer)?,
+            march: march(self.medium, scene.settings.stepper, control, outer)?,
             control,
+            tolerance: scene.settings.tolerance,
             arc_tolerance,
             center: self.center,
             chart: self.chart,
-            longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
+            longest_sagitta: if scene.geometry.is_few() {
+                f64::INFINITY
+            } else {
+                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
+            },
             longest_chord: CHORD * low.distance(high),
             bounds: (low, high),
         })
