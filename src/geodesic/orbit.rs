@@ -158,6 +158,7 @@ fn apart<M: ConformallyFlat>(medium: &M, (b, w, v): (f64, f64, f64), fate: Fate,
 
 impl<R: Real> Phase<R> {
     /// The phase at `w` and `v`.
+    #[inline(always)]
     pub fn new<M: ConformallyFlat>(medium: &M, w: R, v: R) -> Self {
         Self { w, v, pull: medium.pull(w) }
     }

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::scene::Item;
-use super::sphere::along_arc;
+use super::sphere::FromStart;
 use super::{Geometry, Line, PrimitiveId, Segment, Sphere};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
@@ -121,10 +121,16 @@ impl<S: SideBySide> FewSearch<S> {
 
 /// A segment whose crossings of spheres are found side by side.
 pub trait SideBySide: Segment + Row {
-    /// Crossings of `sphere`, by lane: `found` at once, or `pending` a search for a root. `own` has
-    /// the slot that the segment of each lane starts on, and that of the sphere.
+    /// What is the same for all spheres.
+    type Prepared: Row;
+
+    /// The segment, prepared.
+    fn prepared(&self) -> Self::Prepared;
+
+    /// Crossings of `sphere`, by lane: `found` at once, or `pending` a search for a root. `own` has the slot that the
+    /// segment of each lane starts on, and that of the sphere.
     fn cross_spheres(
-        segments: &Self::Block,
+        segments: &<Self::Prepared as Row>::Block,
         sphere: Sphere,
         own: (&[u64; LANES], u64),
         found: impl FnMut(usize, f64),
@@ -133,9 +139,16 @@ pub trait SideBySide: Segment + Row {
 }
 
 impl SideBySide for Line {
+    type Prepared = Line;
+
+    #[inline(always)]
+    fn prepared(&self) -> Line {
+        *self
+    }
+
     #[inline(always)]
     fn cross_spheres(
-        segments: &Self::Block,
+        lines: &<Line as Row>::Block,
         sphere: Sphere,
         (own, slot): (&[u64; LANES], u64),
         mut found: impl FnMut(usize, f64),
@@ -143,16 +156,23 @@ impl SideBySide for Line {
     ) {
         let mut s = [0.0; LANES];
         for lane in 0..LANES {
-            s[lane] = Line::get(segments, lane).cross_sphere(&sphere, own[lane] == slot);
+            s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == slot);
         }
         (0..LANES).for_each(|lane| found(lane, s[lane]));
     }
 }
 
 impl SideBySide for Arc {
+    type Prepared = FromStart;
+
+    #[inline(always)]
+    fn prepared(&self) -> FromStart {
+        FromStart::of(self)
+    }
+
     #[inline(always)]
     fn cross_spheres(
-        segments: &Self::Block,
+        arcs: &<FromStart as Row>::Block,
         sphere: Sphere,
         (own, slot): (&[u64; LANES], u64),
         mut found: impl FnMut(usize, f64),
@@ -160,13 +180,13 @@ impl SideBySide for Arc {
     ) {
         // Most blocks have no segment that starts on the sphere.
         let (along, may) = match own.contains(&slot) {
-            true => screen(segments, &sphere, |lane| own[lane] == slot),
-            false => screen(segments, &sphere, |_| false),
+            true => screen(arcs, &sphere, |lane| own[lane] == slot),
+            false => screen(arcs, &sphere, |_| false),
         };
-        if may == [0; LANES] {
-            return;
-        }
-        for lane in (0..LANES).filter(|&lane| may[lane] != 0) {
+        let mut left = may;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
             let c = std::array::from_fn(|k| along[k][lane]);
             if variations(&c) == 1 {
                 pending(lane, c);
@@ -177,25 +197,25 @@ impl SideBySide for Arc {
     }
 }
 
-/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and whether that may be: 0
-/// where they all have the same sign.
+/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and a mask of the lanes
+/// where they have not all the same sign.
 #[inline(always)]
 fn screen(
-    arcs: &<Arc as Row>::Block,
+    arcs: &<FromStart as Row>::Block,
     sphere: &Sphere,
     leaves: impl Fn(usize) -> bool,
-) -> ([[f64; LANES]; 5], [u64; LANES]) {
-    let (mut along, mut may) = ([[0.0; LANES]; 5], [0; LANES]);
+) -> ([[f64; LANES]; 5], u64) {
+    let (mut along, mut may) = ([[0.0; LANES]; 5], 0);
     let (center, radius2) = (sphere.center, sphere.radius * sphere.radius);
     for lane in 0..LANES {
-        let c = along_arc(&Arc::get(arcs, lane), center, radius2, leaves(lane));
+        let c = FromStart::get(arcs, lane).along(center, radius2, leaves(lane));
         let (mut least, mut most) = (c[0], c[0]);
         for k in 0..5 {
             along[k][lane] = c[k];
             least = if c[k] < least { c[k] } else { least };
             most = if c[k] > most { c[k] } else { most };
         }
-        may[lane] = u64::from((least < 0.0) & (most >= 0.0));
+        may |= u64::from((least < 0.0) & (most >= 0.0)) << lane;
     }
     (along, may)
 }
@@ -260,11 +280,13 @@ fn first_crossings<S: SideBySide>(
     queries: &QueryBlock<S::Block>,
     mut pend: impl FnMut(usize, u32, [f64; 5]),
 ) -> Crossings {
-    let mut segments = S::Block::default();
+    let (mut segments, mut prepared) = (S::Block::default(), <S::Prepared as Row>::Block::default());
     for lane in 0..LANES {
         let is_whole = queries.need[lane] == Need::Whole;
         let shift = if is_whole { -geometry.origin } else { NOWHERE };
-        S::set(&mut segments, lane, S::get(&queries.segment, lane).shifted(shift));
+        let segment = S::get(&queries.segment, lane).shifted(shift);
+        S::set(&mut segments, lane, segment);
+        S::Prepared::set(&mut prepared, lane, segment.prepared());
     }
     let mut own = [u64::MAX; LANES];
     for lane in 0..LANES {
@@ -280,7 +302,7 @@ fn first_crossings<S: SideBySide>(
                 let sphere = geometry.spheres[i as usize].0;
                 let found = |lane: usize, at: f64| s[lane] = at;
                 let pending = |lane, along| pend(lane, slot, along);
-                S::cross_spheres(&segments, sphere, (&own, number), found, pending);
+                S::cross_spheres(&prepared, sphere, (&own, number), found, pending);
             }
             Item::Disk(i) => {
                 let disk = geometry.disks[i as usize].0;

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{Line, Sphere};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{first_sign_change, positive};
+use crate::math::columns::columns;
 
 /// First crossing of `sphere` by `line`; infinite if there is none.
 ///
@@ -33,36 +34,68 @@ pub fn cross_line(line: &Line, sphere: &Sphere, leaves: bool) -> f64 {
     if leaves { other } else { crossing }
 }
 
-/// What changes its sign where `arc` crosses `sphere`, as Bernstein coefficients: a quartic.
-///
-/// |homogeneous point|² − r² weight², r² = `radius2`. For an arc that starts on the sphere it is divided by its root
-/// there.
-#[inline(always)]
-pub fn along_arc(arc: &Arc, center: DVec3, radius2: f64, leaves: bool) -> [f64; 5] {
-    let w = arc.w;
-    let (a, b, c) = (arc.p0 - center, arc.p1 - center, arc.p2 - center);
-    // A start on the sphere defines the radius, so that it is a root exactly.
-    let r2 = if leaves { a.length_squared() } else { radius2 };
-    let end = c.length_squared() - r2;
-    let middle = (a.dot(c) - r2 + 2.0 * w * w * (b.length_squared() - r2)) * (1.0 / 3.0);
-    let second = w * (b.dot(c) - r2);
-    // Divided by s it is a cubic, whose degree is raised again.
-    let cubic = [4.0 * (w * a.dot(b - a)), 2.0 * middle, 4.0 / 3.0 * second, end];
-    let pick = |left: f64, whole: f64| if leaves { left } else { whole };
-    [
-        pick(cubic[0], a.length_squared() - r2),
-        pick(0.25 * cubic[0] + 0.75 * cubic[1], w * (a.dot(b) - r2)),
-        pick(0.5 * (cubic[1] + cubic[2]), middle),
-        pick(0.75 * cubic[2] + 0.25 * cubic[3], second),
-        end,
-    ]
+columns! {
+    /// An arc as spheres see it: from its start.
+    pub struct FromStart => FromStartBlock {
+        /// Its start.
+        start: DVec3,
+        /// Middle control point, from the start.
+        middle: DVec3,
+        /// End, from the start.
+        end: DVec3,
+        /// |middle|².
+        middle2: f64,
+        /// middle · end.
+        both: f64,
+        /// |end|².
+        end2: f64,
+        /// Weight of the middle control point.
+        w: f64,
+    }
+}
+
+impl FromStart {
+    /// Of `arc`.
+    #[inline(always)]
+    pub fn of(arc: &Arc) -> Self {
+        let (middle, end) = (arc.p1 - arc.p0, arc.p2 - arc.p0);
+        let (middle2, both, end2) = (middle.length_squared(), middle.dot(end), end.length_squared());
+        Self { start: arc.p0, middle, end, middle2, both, end2, w: arc.w }
+    }
+
+    /// What changes its sign where the arc crosses a sphere, as Bernstein coefficients: a quartic, the square of the
+    /// distance from the centre less `radius2`, times the square of the weight. For an arc that `leaves` the sphere, its
+    /// start defines the radius, and the quartic is divided by its root there.
+    #[inline(always)]
+    pub fn along(&self, center: DVec3, radius2: f64, leaves: bool) -> [f64; 5] {
+        let Self { start, middle, end, middle2, both, end2, w } = *self;
+        let from = start - center;
+        let excess = from.length_squared() - radius2;
+        let excess = if leaves { 0.0 } else { excess };
+        let (to_middle, to_end) = (from.dot(middle), from.dot(end));
+        let first = w * (excess + to_middle);
+        let at_middle = excess + (to_middle + to_middle) + middle2;
+        let second = ((excess + to_end) + (w + w) * w * at_middle) * (1.0 / 3.0);
+        let third = w * (excess + to_middle + to_end + both);
+        let last = excess + (to_end + to_end) + end2;
+        // Divided by s it is a cubic, whose degree is raised again.
+        let cubic = [4.0 * first, second + second, 4.0 / 3.0 * third, last];
+        let pick = |left: f64, whole: f64| if leaves { left } else { whole };
+        [
+            pick(cubic[0], excess),
+            pick(0.25 * cubic[0] + 0.75 * cubic[1], first),
+            pick(0.5 * (cubic[1] + cubic[2]), second),
+            pick(0.75 * cubic[2] + 0.25 * cubic[3], third),
+            last,
+        ]
+    }
 }
 
 /// First crossing of `sphere` by `arc`; infinite if there is none.
 #[inline(always)]
 pub fn cross_arc(arc: &Arc, sphere: &Sphere, leaves: bool) -> f64 {
     let radius2 = sphere.radius * sphere.radius;
-    first_sign_change(along_arc(arc, sphere.center, radius2, leaves)).unwrap_or(f64::INFINITY)
+    first_sign_change(FromStart::of(arc).along(sphere.center, radius2, leaves)).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -9,3 +9,4 @@ pub mod frame;
 pub mod kernel;
 pub mod quadrature;
 pub mod real;
+pub mod turn;

@@ -179,7 +179,8 @@ impl<T: Transport> Wavefront<T> {
             job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
         };
         let Self { flights, moves, vertices, found, exactly, live, events, scratch, .. } = self;
-        for lane in 0..*live {
+        let lit_lanes = if vertices.is_empty() { 0..0 } else { 0..*live };
+        for lane in lit_lanes {
             exactly[lane] = true;
             let Some(illumination) = lit(vertices, lane) else { continue };
             let vertex = vertices.get(lane);

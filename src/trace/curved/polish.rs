@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{Curved, CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Phase, Step, Stepper};
 use crate::geometry::{Carrier, FewSearch, Geometry, Line, Need, PrimitiveId, Query, Segment};
-use crate::math::columns::{Columns, LANES, columns};
+use crate::math::columns::{Columns, LANES, Row, columns};
 use crate::math::kernel::{Kernel, map};
 use crate::spacetime::ConformallyFlat;
 use crate::trace::transport::{Found, Landing};
@@ -29,11 +29,11 @@ columns! {
 }
 
 columns! {
-    /// The part of a step that leads to a carrier.
+    /// The part of a step that leads near a carrier.
     pub struct Aim => AimBlock {
         /// The part.
         s: f64,
-        /// Whether it is known well enough.
+        /// Whether it leads so near that no step is needed for the rest.
         is_near: bool,
     }
 }
@@ -53,10 +53,10 @@ columns! {
         w: R,
         /// Distance over the part of the step.
         speed: R,
+        /// Curvature, towards the centre.
+        curvature: R,
         /// The part.
         s: f64,
-        /// Whether it is known well enough.
-        is_near: bool,
     }
 }
 
@@ -99,8 +99,10 @@ impl<R: Lane> Span<R> {
         let ([x, y], [tangent_x, tangent_y]) = (step.displacement(), step.end_tangent());
         // |dx/dξ| = n c²/w².
         let (w, v, across) = (step.end.w, step.end.v, self.b * step.end.w);
-        let speed = self.h * (v * v + across * across).sqrt() * step.cos * step.cos / (w * w);
-        Pose { x, y, tangent_x, tangent_y, w, speed, s: aim.s, is_near: aim.is_near }
+        let n = (v * v + across * across).sqrt();
+        let speed = self.h * n * step.cos * step.cos / (w * w);
+        let curvature = step.end.pull * across * (w * w) / (n * n * n);
+        Pose { x, y, tangent_x, tangent_y, w, speed, curvature, s: aim.s }
     }
 }
 
@@ -126,7 +128,7 @@ const MOST_CORRECTIONS: u32 = 6;
 
 /// One correction of a chase that is not near.
 struct Correcting<R> {
-    /// Distance, relative to the radius, from which on the error after a correction is below what is asked for.
+    /// Distance, relative to the radius, that a circle bridges as well as is asked for.
     near: f64,
     number: PhantomData<R>,
 }
@@ -139,13 +141,13 @@ impl<R: Lane> Kernel for Correcting<R> {
     #[inline(always)]
     fn run(&self, chase: &Chase, pose: &Pose<R>) -> Aim {
         let (_, _, ahead) = chase.at(pose);
-        let shift = if pose.is_near { 0.0 } else { ahead / pose.speed.value() };
-        let is_near = pose.is_near | ((ahead * pose.w.value()).abs() < self.near);
+        let is_near = (ahead * pose.w.value()).abs() < self.near;
+        let shift = if is_near { 0.0 } else { ahead / pose.speed.value() };
         Aim { s: pose.s + shift, is_near }
     }
 }
 
-/// The end of a chase: what is left is made up for along the tangent.
+/// The end of a chase: what is left is made up for along the circle that the ray is nearest to, then along its tangent.
 struct Catching<R>(PhantomData<R>);
 
 impl<R: Lane> Kernel for Catching<R> {
@@ -155,9 +157,15 @@ impl<R: Lane> Kernel for Catching<R> {
 
     #[inline(always)]
     fn run(&self, chase: &Chase, pose: &Pose<R>) -> Caught {
-        let (position, direction, ahead) = chase.at(pose);
+        let (position, tangent, ahead) = chase.at(pose);
+        let turned = (ahead * pose.curvature.value()) * chase.place(-pose.tangent_y, pose.tangent_x);
+        let position = position + ahead * (tangent + 0.5 * turned);
+        let carrier = Carrier { anchor: chase.anchor, normal: chase.normal, radius: chase.radius };
+        let (height, normal) = carrier.height(position);
+        let direction = tangent + turned;
         let direction = direction / direction.length();
-        Caught { position: position + ahead * direction, direction, s: pose.s }
+        let position = position - (height / normal.dot(direction)) * direction;
+        Caught { position, direction, s: pose.s + ahead / pose.speed.value() }
     }
 }
 
@@ -218,8 +226,8 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     }
 
     fn correcting(&self) -> Correcting<R> {
-        // Convergence is quadratic.
-        Correcting { near: (0.1 * self.tolerance).sqrt(), number: PhantomData }
+        // A circle errs as the distance cubed.
+        Correcting { near: (0.1 * self.tolerance).cbrt(), number: PhantomData }
     }
 
     /// A chase of the carrier that a flight meets, and where the arc says that is.
@@ -250,10 +258,11 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         let (span, chase, aim) = self.chase(geometry, flight, step, found);
         let mut pose = self.march.pose(&span, &aim);
         for _ in 0..MOST_CORRECTIONS {
-            pose = self.march.pose(&span, &self.correcting().run(&chase, &pose));
-            if pose.is_near {
+            let aim = self.correcting().run(&chase, &pose);
+            if aim.is_near {
                 break;
             }
+            pose = self.march.pose(&span, &aim);
         }
         let caught = Catching(PhantomData).run(&chase, &pose);
         let between = || self.first_between(geometry, found, &caught);
@@ -289,10 +298,10 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
                 let (aim, pose) =
                     (&mut aims.blocks_mut(lanes)[of.clone()], &mut poses.blocks_mut(lanes)[of.clone()]);
                 map(&self.correcting(), &chases.blocks(lanes)[of.clone()], pose, aim);
-                self.march.pose_all(&spans.blocks(lanes)[of.clone()], aim, pose);
-                if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| poses.get(i).is_near) {
+                if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| Aim::get(&aim[0], i).is_near) {
                     break;
                 }
+                self.march.pose_all(&spans.blocks(lanes)[of.clone()], aim, pose);
             }
         }
         map(&Catching(PhantomData), chases.blocks(lanes), poses.blocks(lanes), caught.blocks_mut(lanes));
