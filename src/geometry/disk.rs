@@ -16,7 +16,7 @@ impl Disk {
     #[inline(always)]
     pub(super) fn holds(&self, p: DVec3) -> bool {
         let radius2 = (p - self.center).length_squared();
-        radius2 >= self.inner * self.inner && radius2 <= self.outer * self.outer
+        (radius2 >= self.inner * self.inner) & (radius2 <= self.outer * self.outer)
     }
 }
 

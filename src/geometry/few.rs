@@ -13,9 +13,6 @@ use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
 use crate::math::columns::{Columns, LANES, Row, plain_field};
 use crate::math::kernel::widest;
 
-/// Up to this many primitives are tested side by side.
-pub(super) const FEW: usize = 16;
-
 /// What is not a number meets nothing.
 const NOWHERE: DVec3 = DVec3::NAN;
 
@@ -121,6 +118,9 @@ impl<S: SideBySide> FewSearch<S> {
 
 /// A segment whose crossings of spheres are found side by side.
 pub trait SideBySide: Segment + Row {
+    /// Up to this many primitives are tested side by side: beyond, a hierarchy is faster.
+    const FEW: usize;
+
     /// What is the same for all spheres.
     type Prepared: Row;
 
@@ -139,6 +139,7 @@ pub trait SideBySide: Segment + Row {
 }
 
 impl SideBySide for Line {
+    const FEW: usize = 48;
     type Prepared = Line;
 
     #[inline(always)]
@@ -163,6 +164,7 @@ impl SideBySide for Line {
 }
 
 impl SideBySide for Arc {
+    const FEW: usize = 12;
     type Prepared = FromStart;
 
     #[inline(always)]
@@ -221,9 +223,9 @@ fn screen(
 }
 
 impl Geometry {
-    /// Whether all primitives are tested side by side.
-    pub fn is_few(&self) -> bool {
-        self.items.len() <= FEW && !self.items.iter().any(|item| matches!(item, Item::Instance(_)))
+    /// Whether segments of this kind are tested against all primitives side by side.
+    pub fn is_few<S: SideBySide>(&self) -> bool {
+        self.items.len() <= S::FEW && !self.items.iter().any(|item| matches!(item, Item::Instance(_)))
     }
 
     /// Searches the first `lanes` queries. Only where there are [few](Self::is_few) primitives.

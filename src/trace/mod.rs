@@ -33,7 +33,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::geodesic::Control;
+use crate::geodesic::{Arc, Control};
 use crate::scene::{Baked, Precision, SamplerKind, SpacetimeKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
@@ -166,7 +166,7 @@ impl<M: ConformallyFlat + 'static> Place<M> {
             arc_tolerance,
             center: self.center,
             chart: self.chart,
-            longest_sagitta: if scene.geometry.is_few() {
+            longest_sagitta: if scene.geometry.is_few::<Arc>() {
                 f64::INFINITY
             } else {
                 (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())

@@ -142,7 +142,7 @@ impl<T: Transport> Wavefront<T> {
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
         let geometry = &job.scene.geometry;
-        if geometry.is_few() {
+        if geometry.is_few::<T::Segment>() {
             return self.intersect_few(geometry, transport, counters);
         }
         for lane in 0..self.live {

@@ -305,7 +305,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             }
         }
         map(&Catching(PhantomData), chases.blocks(lanes), poses.blocks(lanes), caught.blocks_mut(lanes));
-        let is_few = geometry.is_few();
+        let is_few = geometry.is_few::<Line>();
         if is_few {
             between.queries.gather(lanes, |i| {
                 let Found { point, primitive } = hits[i].1;
