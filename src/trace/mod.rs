@@ -48,7 +48,7 @@ pub use illumination::{LightSummary, light_sampling};
 use paper::PaperMarch;
 use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
-pub use stats::{Counters, Fates, StageTimes, Stats};
+pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
 pub use trail::{Trail, trails};

@@ -4,7 +4,7 @@
 //! lane to a new camera path, and when none are left, to the last lane. What a lane computes depends on its path alone,
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
-use super::columns::Columns;
+use super::columns::{Columns, LANES};
 use super::fate::Fate;
 use super::path::{Gathers, Path};
 use super::samples::Samples;
@@ -79,25 +79,31 @@ impl<T: Transport> Wavefront<T> {
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
+            let before = self.live;
             self.generate(job, transport, work, &mut next, counters);
-            lap.end(&mut times.generate);
+            lap.end(&mut times.generate, self.live - before);
             if self.live == 0 {
                 return;
             }
+            times.occupancy.count(self.live, self.found.len(), LANES);
             transport.advance_blocks(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
-            lap.end(&mut times.advance);
+            lap.end(&mut times.advance, self.live);
             self.intersect(job, transport, counters);
-            lap.end(&mut times.intersect);
+            lap.end(&mut times.intersect, self.live);
             self.settle(job, transport, samples, counters);
-            lap.end(&mut times.settle);
+            lap.end(&mut times.settle, self.live);
+            let Events { landed, lit, bent, gone, escaped, ended, .. } = &self.events;
+            let (lost, met) =
+                (escaped.len() + ended.len(), landed.len() + lit.len() + bent.len() + gone.len());
             self.escape(job, samples);
-            lap.end(&mut times.escape);
+            lap.end(&mut times.escape, lost);
             self.bend(job, transport);
             self.gather(transport, counters);
             self.shade(job, transport, samples, counters);
-            lap.end(&mut times.scatter);
+            lap.end(&mut times.scatter, met);
+            let finished = self.events.finished.len();
             self.film(samples);
-            lap.end(&mut times.film);
+            lap.end(&mut times.film, finished);
         }
     }
 
