@@ -247,7 +247,9 @@ impl Renderer<'_> {
             illumination.learn(job, transport);
         }
         job.illumination = illumination;
-        self.passes(job, transport, tiles, wanted, started)
+        let learning = started.elapsed().as_secs_f64();
+        let (counters, times, threads) = self.passes(job, transport, tiles, wanted, started);
+        (counters, StageTimes { learning, ..times }, threads)
     }
 
     /// All passes over all tiles.

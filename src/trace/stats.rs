@@ -58,9 +58,11 @@ pub struct Occupancy {
     pub blocks: u64,
 }
 
-/// What each stage did, and how full the vectors were; wavefront schedule only.
+/// What each stage did, and how full the vectors were; all but `learning` in the wavefront schedule only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageTimes {
+    /// What light sampling learns before the first camera ray, wall time, seconds.
+    pub learning: f64,
     /// Camera rays.
     pub generate: Stage,
     /// Integration steps and arcs.
@@ -152,7 +154,9 @@ impl Occupancy {
 impl StageTimes {
     /// Adds another worker's times.
     pub fn add(&mut self, other: &StageTimes) {
-        let StageTimes { generate, advance, intersect, settle, escape, scatter, film, occupancy } = other;
+        let StageTimes { learning, generate, advance, intersect, settle, escape, scatter, film, occupancy } =
+            other;
+        self.learning += learning;
         self.generate.add(generate);
         self.advance.add(advance);
         self.intersect.add(intersect);
