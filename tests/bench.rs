@@ -27,6 +27,8 @@ emission = 10
 const SMALL: [&str; 8] = ["--size", "24x16", "--rounds", "2", "--spp", "2", "--threads", "2"];
 
 type Row = HashMap<String, String>;
+/// What is swept, the values asked for, those expected, and what shows them in a row.
+type Sweep = (&'static str, &'static str, &'static [&'static str], fn(&Row) -> f64);
 
 fn place() -> Folder {
     Folder::with(&[("scene.toml", SCENE)])
@@ -129,7 +131,7 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
 #[test]
 fn sweeps_measure_the_values_asked_for() {
     let place = place();
-    let cases: [(&str, &str, &[&str], fn(&Row) -> f64); 8] = [
+    let cases: [Sweep; 8] = [
         ("batch", "8,64", &["8", "64"], |row| number(row, "batch")),
         ("threads", "1,2", &["1", "2"], |row| number(row, "threads")),
         ("pixels", "96,384", &["96", "384"], |row| number(row, "width") * number(row, "height")),

@@ -3,7 +3,7 @@
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
 
-mod columns;
+pub mod columns;
 mod curved;
 mod edges;
 mod exposure;

@@ -188,14 +188,14 @@ mod tests {
     use super::*;
     use crate::film::Plane;
 
-    fn runs(contender: Contender, seconds: &[f64]) -> Runs {
+    fn all(contender: Contender, seconds: &[f64]) -> Runs {
         let stats = |&seconds: &f64| Stats { seconds, threads: 2, ..Stats::default() };
         Runs { contender, rounds: seconds.iter().map(stats).collect() }
     }
 
     #[test]
     fn ratios_are_taken_within_rounds() {
-        let scene = Point {
+        let point = Point {
             value: None,
             scene: 0,
             spacetime: SpacetimeKind::Flat,
@@ -204,14 +204,14 @@ mod tests {
             batch: 8,
         };
         // The machine was ten times as slow in the second round.
-        let lanes =
-            vec![lane(Contender::Wavefront, &[1.0, 10.0, 1.0]), lane(Contender::PerPixel, &[1.5, 15.0, 1.5])];
-        let race = Race { point: scene, lanes };
+        let runs =
+            vec![all(Contender::Wavefront, &[1.0, 10.0, 1.0]), all(Contender::PerPixel, &[1.5, 15.0, 1.5])];
+        let race = Race { point, runs };
         let ratio = race.ratio(1, 0).unwrap();
         assert!((ratio.value - 1.5).abs() < 1e-12 && ratio.error.unwrap() < 1e-12);
         assert!((race.ratio(0, 1).unwrap().value * 1.5 - 1.0).abs() < 1e-12);
         assert_eq!((race.runs[1].median(|s| s.seconds), race.runs[1].range()), (1.5, [1.5, 15.0]));
-        assert_eq!(runs(Contender::Flat, &[3.0, 1.0]).median(|s| s.seconds), 2.0);
+        assert_eq!(all(Contender::Flat, &[3.0, 1.0]).median(|s| s.seconds), 2.0);
     }
 
     #[test]

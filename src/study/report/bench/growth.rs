@@ -25,7 +25,7 @@ pub fn table(sweep: Vary, races: &[Race]) -> String {
         let counters = runs.counters();
         let rays = (counters.rays + counters.light_rays) as f64;
         [
-            race.point.value.map_or_else(String::new, |value| number(value)),
+            race.point.value.map_or_else(String::new, number),
             runs.contender.name(),
             seconds(runs),
             if index == 0 { "1".to_owned() } else { with_error(race.ratio(index, 0)) },
