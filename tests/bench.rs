@@ -88,6 +88,7 @@ fn contenders_take_turns_and_both_schedules_do_the_same_work() {
     }
     let ratio = |index: usize, part: &str| contenders[index]["time_ratio"][part].as_f64();
     assert!(ratio(0, "value").is_none() && ratio(1, "value").unwrap() > 0.0 && ratio(1, "error").is_some());
+    assert!(contenders[1]["tracing_ratio"]["value"].as_f64().unwrap() > 0.0);
     assert_eq!(json["points"][0]["schwarzschild_radius"], 1.0);
 }
 
@@ -115,7 +116,10 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
         .iter()
         .map(|stage| number(wavefront, &format!("{stage}_seconds")))
         .sum();
-    assert!(seconds <= number(wavefront, "threads") * number(wavefront, "seconds"), "{seconds}");
+    let learning = number(wavefront, "learning_seconds");
+    assert!(learning > 0.0 && seconds > 0.0);
+    let whole = number(wavefront, "threads") * (number(wavefront, "seconds") - learning);
+    assert!(seconds <= whole, "{seconds} of {whole}");
     let per_pixel = &rows[2];
     assert!(per_pixel["occupancy"].is_empty() && per_pixel["advance_seconds"].is_empty(), "{per_pixel:?}");
     for part in [" generate | ", " learn | ", " rest | ", "lanes in use"] {

@@ -148,10 +148,19 @@ fn same_bits((a, first): (Contender, &Image), (b, second): (Contender, &Image)) 
 }
 
 impl Race {
-    /// Time of contender number `slow` over that of number `fast`, from the ratios of all rounds.
+    /// Wall time of contender number `slow` over that of number `fast`, from the ratios of all rounds.
     pub fn ratio(&self, slow: usize, fast: usize) -> Option<Estimate> {
+        self.ratio_of(slow, fast, |stats| stats.seconds)
+    }
+
+    /// The same without what light sampling learns before the first camera ray, which is not a matter of schedules.
+    pub fn tracing_ratio(&self, slow: usize, fast: usize) -> Option<Estimate> {
+        self.ratio_of(slow, fast, |stats| stats.seconds - stats.stages.learning)
+    }
+
+    fn ratio_of(&self, slow: usize, fast: usize, time: fn(&Stats) -> f64) -> Option<Estimate> {
         let pairs = self.runs[slow].rounds.iter().zip(&self.runs[fast].rounds);
-        let ratios: Vec<f64> = pairs.map(|(slow, fast)| slow.seconds / fast.seconds).collect();
+        let ratios: Vec<f64> = pairs.map(|(slow, fast)| time(slow) / time(fast)).collect();
         Estimate::geometric_mean(&ratios)
     }
 }

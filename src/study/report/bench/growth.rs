@@ -1,7 +1,7 @@
 //! How cost grows with what is varied.
 
-use super::super::{markdown, percent, with_error};
-use super::{occupancy, seconds, style};
+use super::super::{markdown, percent};
+use super::{occupancy, over_first, seconds, style};
 use crate::plot::{Axis, Chart, Figure, Series};
 use crate::study::bench::{Race, Runs, Vary};
 
@@ -28,7 +28,7 @@ pub fn table(sweep: Vary, races: &[Race]) -> String {
             race.point.value.map_or_else(String::new, number),
             runs.contender.name(),
             seconds(runs),
-            if index == 0 { "1".to_owned() } else { with_error(race.ratio(index, 0)) },
+            over_first(index, race.ratio(index, 0)),
             format!("{:.2}", runs.us_per_path()),
             format!("{:.2}", rays / counters.paths as f64),
             format!("{:.2}", counters.steps as f64 / rays),

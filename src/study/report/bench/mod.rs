@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use clap::ValueEnum;
 use serde::Serialize;
 
-use super::cell;
+use super::{cell, with_error};
 use crate::plot::Style;
 use crate::scene::{Settings, SpacetimeKind, flag_name};
 use crate::study::bench::{Contender, Race, Runs, Vary};
@@ -45,6 +45,8 @@ struct ContenderRecord<'a> {
     us_per_path: f64,
     /// Over the time of the first contender.
     time_ratio: Option<Estimate>,
+    /// The same without what light sampling learns before.
+    tracing_ratio: Option<Estimate>,
     /// Share of the lanes in use.
     occupancy: Option<f64>,
     rounds: &'a [Stats],
@@ -67,6 +69,7 @@ impl<'a> PointRecord<'a> {
                 seconds: [runs.median(|stats| stats.seconds), shortest, longest],
                 us_per_path: runs.us_per_path(),
                 time_ratio: (index > 0).then(|| race.ratio(index, 0)).flatten(),
+                tracing_ratio: (index > 0).then(|| race.tracing_ratio(index, 0)).flatten(),
                 occupancy: occupancy(runs),
                 rounds: &runs.rounds,
             }
@@ -97,7 +100,7 @@ pub fn write_csv(sweep: Option<Vary>, races: &[Race], mut out: impl Write) -> io
     let stages = StageTimes::default().named().map(|(name, _)| format!("{name}_seconds,{name}_items"));
     writeln!(
         out,
-        "sweep,value,contender,round,seconds,threads,batch,width,height,spp,paths,rays,light_rays,steps,queries,\
+        "sweep,value,contender,round,seconds,learning_seconds,threads,batch,width,height,spp,paths,rays,light_rays,steps,queries,\
          occupancy,{}",
         stages.join(",")
     )?;
@@ -124,6 +127,7 @@ fn numbers(race: &Race, stats: &Stats) -> Vec<String> {
     let occupancy = stats.stages.occupancy.share();
     let mut cells = vec![
         stats.seconds.to_string(),
+        stats.stages.learning.to_string(),
         stats.threads.to_string(),
         race.point.batch.to_string(),
         settings.width.to_string(),
@@ -145,6 +149,11 @@ fn numbers(race: &Race, stats: &Stats) -> Vec<String> {
 fn seconds(runs: &Runs) -> String {
     let [shortest, longest] = runs.range();
     format!("{:.3} ({shortest:.3}–{longest:.3})", runs.median(|stats| stats.seconds))
+}
+
+/// A ratio to the first contender, as contender number `index` has it.
+fn over_first(index: usize, ratio: Option<Estimate>) -> String {
+    if index == 0 { "1".to_owned() } else { with_error(ratio) }
 }
 
 /// The same for a contender whatever others are drawn.

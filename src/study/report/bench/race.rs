@@ -1,7 +1,7 @@
 //! A race at one point: who is how fast, and what the wavefront's stages cost.
 
 use super::super::{markdown, percent, with_error};
-use super::{seconds, style};
+use super::{over_first, seconds, style};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
 use crate::study::bench::{Contender, Race, Runs};
 use crate::trace::Stats;
@@ -47,6 +47,7 @@ fn contenders(race: &Race) -> String {
         "contender",
         "seconds (range)",
         "time ratio",
+        "tracing alone",
         "k paths/s",
         "M rays/s",
         "M steps/s",
@@ -62,7 +63,8 @@ fn contenders(race: &Race) -> String {
         [
             runs.contender.name(),
             seconds(runs),
-            if index == 0 { "1".to_owned() } else { with_error(race.ratio(index, 0)) },
+            over_first(index, race.ratio(index, 0)),
+            over_first(index, race.tracing_ratio(index, 0)),
             rate(counters.paths, 1e3),
             rate(rays, 1e6),
             rate(counters.steps, 1e6),
