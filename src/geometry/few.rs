@@ -139,7 +139,7 @@ pub trait SideBySide: Segment + Row {
 }
 
 impl SideBySide for Line {
-    const FEW: usize = 48;
+    const FEW: usize = 16;
     type Prepared = Line;
 
     #[inline(always)]

@@ -74,7 +74,7 @@ impl Frame {
         let extent = self.e1.abs().max(self.e2.abs()).max_element();
         let reach = p.abs().max(self.corner.abs()).max_element();
         let slack = 2e-15 * reach * extent * area2.sqrt();
-        (u >= -slack) & (v >= -slack) & (u + v <= area2 + slack)
+        u >= -slack && v >= -slack && u + v <= area2 + slack
     }
 }
 
@@ -86,7 +86,7 @@ pub fn cross_line(line: &Line, triangle: &Triangle, leaves: bool) -> f64 {
     let end = frame.normal.dot(line.p2 - frame.corner);
     let crosses = !leaves & (positive(start) != positive(end));
     let s = start / (start - end);
-    if crosses & frame.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
+    if crosses && frame.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
 }
 
 /// First crossing of `triangle` by `arc`; infinite if there is none.

@@ -18,7 +18,7 @@ use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::{Job, Work};
 use crate::geometry::{FewSearch, Geometry, Need, PrimitiveId};
-use crate::math::columns::Columns;
+use crate::math::columns::{Columns, LANES};
 use glam::DVec3;
 
 /// A worker's rays.
@@ -88,27 +88,33 @@ impl<T: Transport> Wavefront<T> {
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
+            let before = self.live;
             self.generate(job, transport, work, &mut next, counters);
-            lap.end(&mut times.generate);
+            lap.end(&mut times.generate, self.live - before);
             if self.live == 0 {
                 return;
             }
+            times.occupancy.count(self.live, self.found.len(), LANES);
             transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
-            lap.end(&mut times.advance);
+            lap.end(&mut times.advance, self.live);
             self.intersect(job, transport, counters);
-            lap.end(&mut times.intersect);
+            lap.end(&mut times.intersect, self.live);
             self.settle(job, transport, samples, counters);
-            lap.end(&mut times.settle);
+            lap.end(&mut times.settle, self.live);
+            let Events { landed, lit, bent, gone, escaped, ended, .. } = &self.events;
+            let (lost, met) =
+                (escaped.len() + ended.len(), landed.len() + lit.len() + bent.len() + gone.len());
             self.escape(job, samples);
-            lap.end(&mut times.escape);
+            lap.end(&mut times.escape, lost);
             self.bend(job);
             self.gather(counters);
             self.shade(job, samples, counters);
             transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
             self.events.starts.clear();
-            lap.end(&mut times.scatter);
+            lap.end(&mut times.scatter, met);
+            let finished = self.events.finished.len();
             self.film(samples);
-            lap.end(&mut times.film);
+            lap.end(&mut times.film, finished);
         }
     }
 

@@ -34,6 +34,8 @@ pub struct Curved<M, R> {
     pub march: Box<dyn March<R>>,
     /// World position of its centre.
     pub center: DVec3,
+    /// Whether it matters where rays go that leave; else they are not followed there.
+    pub sky: bool,
     /// Where rays may stop.
     pub chart: Chart,
     /// What steps are held to.
@@ -128,6 +130,11 @@ impl<R: Lane> CurvedFlight<R> {
         Phase { w: self.w, v: self.v, pull: self.pull }
     }
 
+    /// Unit direction of travel.
+    fn direction(&self) -> DVec3 {
+        self.place(-self.v, self.b * self.w).normalize()
+    }
+
     /// A vector in the orbit's plane, from components along the radius and across it.
     #[inline(always)]
     pub(super) fn place(&self, outwards: R, across: R) -> DVec3 {
@@ -199,6 +206,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match next.turn {
             Turn::Flies => Outcome::Flying(*next),
+            Turn::Leaves if !self.sky => Outcome::Escaped(next.direction()),
             Turn::Leaves => self.direction_at_infinity(next),
             Turn::Falls => Outcome::Captured,
             Turn::StepLimit => Outcome::StepLimit,
