@@ -187,7 +187,10 @@ impl<T: Hierarchy> Theirs<T> {
         let ray = Ray::new(start.as_vec3a(), direction.as_vec3a(), range.0, range.1);
         let mut nearest: Option<f64> = None;
         self.tree.search(ray, |slot| {
-            let Some(s) = segment.cross_triangle(&self.triangles[slot], false) else { return f32::INFINITY };
+            let s = segment.cross_triangle(&self.triangles[slot], false);
+            if s == f64::INFINITY {
+                return f32::INFINITY;
+            }
             nearest = Some(nearest.map_or(s, |best| best.min(s)));
             (segment.point(s) - start).dot(direction) as f32
         });

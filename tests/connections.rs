@@ -7,7 +7,7 @@ mod orbits;
 use common::Random;
 use glam::DVec3;
 use orbits::start;
-use warpfront::geodesic::{Connection, Control, Dop853, Launch, Lens, Phase, Site, Step};
+use warpfront::geodesic::{Connection, Control, Dop853, Launch, Lens, Phase, Site, Step, Stepper};
 use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
 
 /// Isotropic radius of the horizon of a hole of radius 1.

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use glam::{DAffine3, DVec3};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
-use warpfront::geodesic::{Arc, Control, Launch, Phase, Rkn6, Step, fit_arc};
+use warpfront::geodesic::{Arc, Control, Launch, Phase, Rkn6, Step, Stepper, fit_arc};
 use warpfront::geometry::{Geometry, Instance, Line, Mesh, Primitives, Surface};
 use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
 use warpfront::study::bench::bumpy_sphere;

@@ -11,7 +11,7 @@
 
 use std::time::Duration;
 
-use glam::{DVec3, UVec2, Vec3A, Vec4};
+use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
@@ -171,27 +171,32 @@ impl ThickRay {
         let offset = (Vec3A::from(node.p) - self.start) * self.inverse;
         let wider = self.wider + SLAB_ERROR * (offset.abs() + 255.0 * scale.abs());
         let (to_near, to_far) = (offset - wider, offset + wider);
+        let (mut enter, mut leave) = ([0.0; 8], [self.length; 8]);
+        let slabs = [
+            (&node.child_min_x, &node.child_max_x),
+            (&node.child_min_y, &node.child_max_y),
+            (&node.child_min_z, &node.child_max_z),
+        ];
+        for (axis, (low, high)) in slabs.into_iter().enumerate() {
+            let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+            let (scale, to_near, to_far) = (scale[axis], to_near[axis], to_far[axis]);
+            for child in 0..8 {
+                let (near, far) =
+                    (f32::from(near[child]) * scale + to_near, f32::from(far[child]) * scale + to_far);
+                enter[child] = if near > enter[child] { near } else { enter[child] };
+                leave[child] = if far < leave[child] { far } else { leave[child] };
+            }
+        }
+        let mut met = 0u32;
+        for child in 0..8 {
+            met |= u32::from(enter[child] <= leave[child]) << child;
+        }
         let (child_bits, bit_index) = node.get_child_and_index_bits(self.octant);
         let mut mask = 0;
-        for half in 0..2 {
-            let four = |bytes: &[u8; 8]| {
-                let at = |i: usize| f32::from(bytes[4 * half + i]);
-                Vec4::new(at(0), at(1), at(2), at(3))
-            };
-            let slab = |low: &[u8; 8], high: &[u8; 8], axis: usize| {
-                let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
-                (four(near) * scale[axis] + to_near[axis], four(far) * scale[axis] + to_far[axis])
-            };
-            let x = slab(&node.child_min_x, &node.child_max_x, 0);
-            let y = slab(&node.child_min_y, &node.child_max_y, 1);
-            let z = slab(&node.child_min_z, &node.child_max_z, 2);
-            let enter = x.0.max(y.0).max(z.0).max(Vec4::ZERO);
-            let leave = x.1.min(y.1).min(z.1).min(Vec4::splat(self.length));
-            let met = enter.cmple(leave).bitmask();
-            for i in (0..4).filter(|i| met & (1 << i) != 0) {
-                let child = 4 * half + i;
-                mask |= extract_byte64(child_bits, child) << extract_byte64(bit_index, child);
-            }
+        while met != 0 {
+            let child = met.trailing_zeros() as usize;
+            met &= met - 1;
+            mask |= extract_byte64(child_bits, child) << extract_byte64(bit_index, child);
         }
         mask
     }

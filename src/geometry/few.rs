@@ -212,10 +212,10 @@ fn screen(
     for lane in 0..LANES {
         let c = FromStart::get(arcs, lane).along(center, radius2, leaves(lane));
         let (mut least, mut most) = (c[0], c[0]);
-        for k in 0..5 {
-            along[k][lane] = c[k];
-            least = if c[k] < least { c[k] } else { least };
-            most = if c[k] > most { c[k] } else { most };
+        for (along, c) in along.iter_mut().zip(c) {
+            along[lane] = c;
+            least = if c < least { c } else { least };
+            most = if c > most { c } else { most };
         }
         may |= u64::from((least < 0.0) & (most >= 0.0)) << lane;
     }
@@ -290,11 +290,10 @@ fn first_crossings<S: SideBySide>(
         S::set(&mut segments, lane, segment);
         S::Prepared::set(&mut prepared, lane, segment.prepared());
     }
-    let mut own = [u64::MAX; LANES];
-    for lane in 0..LANES {
-        let PrimitiveId { item, triangle } = queries.leaves[lane];
-        own[lane] = if triangle == 0 { u64::from(item) } else { u64::MAX };
-    }
+    let own = queries.leaves.map(|PrimitiveId { item, triangle }| match triangle {
+        0 => u64::from(item),
+        _ => u64::MAX,
+    });
     let mut best = Crossings { s: [f64::INFINITY; LANES], slot: [0; LANES] };
     for (slot, item) in geometry.items.iter().enumerate() {
         let (slot, number) = (slot as u32, slot as u64);

@@ -11,6 +11,7 @@ use super::bvh::Bvh;
 use super::distance::Reach;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 use crate::math::columns::{columns, plain_field};
+use crate::math::kernel::widest;
 
 /// Names a primitive; for triangles of an instance both numbers matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -157,14 +158,21 @@ impl Geometry {
     /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
+        widest(Search { geometry: self, segment, leaves })
+    }
+
+    #[inline(always)]
+    fn search<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
         let segment = &segment.shifted(-self.origin);
         let chord = segment.chord();
         let direction = (chord.end - chord.start).normalize_or_zero();
         let mut nearest: Option<Hit> = None;
+        let only_triangles = self.triangles.len() == self.items.len();
         self.bvh.walk(&chord, |slot| {
             let item = slot as u32;
             let own = |triangle: u32| leaves == PrimitiveId { item, triangle };
-            let found = match self.items[slot] {
+            let kind = if only_triangles { Item::Triangle(item) } else { self.items[slot] };
+            let found = match kind {
                 Item::Triangle(i) => (segment.cross_triangle(&self.triangles[i as usize], own(0)), 0),
                 Item::Sphere(i) => (segment.cross_sphere(&self.spheres[i as usize].0, own(0)), 0),
                 Item::Disk(i) => (segment.cross_disk(&self.disks[i as usize].0, own(0)), 0),
@@ -407,6 +415,22 @@ impl Geometry {
             + self.triangles.len() * (size_of::<Triangle>() + size_of::<Source>())
             + self.meshes.iter().map(Mesh::memory_bytes).sum::<usize>()
             + self.shared.iter().flatten().map(shared).sum::<usize>()
+    }
+}
+
+/// A search, for the widest vectors that the machine has.
+struct Search<'a, S> {
+    geometry: &'a Geometry,
+    segment: &'a S,
+    leaves: PrimitiveId,
+}
+
+impl<S: Segment> pulp::NullaryFnOnce for Search<'_, S> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn call(self) -> Option<Hit> {
+        self.geometry.search(self.segment, self.leaves)
     }
 }
 

@@ -73,7 +73,7 @@ pub struct Run {
 
 impl Default for Run {
     fn default() -> Self {
-        Self { threads: 0, batch: 4096, time_limit: None, noise: None, crop: None, aovs: Vec::new() }
+        Self { threads: 0, batch: 1024, time_limit: None, noise: None, crop: None, aovs: Vec::new() }
     }
 }
 

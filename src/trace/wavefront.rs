@@ -17,7 +17,7 @@ use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::{Job, Work};
-use crate::geometry::{FewSearch, Geometry, Need, PrimitiveId};
+use crate::geometry::{FewSearch, Need, PrimitiveId, Query, Segment};
 use crate::math::columns::{Columns, LANES};
 use glam::DVec3;
 
@@ -31,7 +31,7 @@ pub struct Wavefront<T: Transport> {
     found: Vec<Option<Found>>,
     /// Whether it matters where exactly a ray lands.
     exactly: Vec<bool>,
-    few: FewSearch<T::Segment>,
+    search: FewSearch<T::Segment>,
     scratch: T::Scratch,
     /// Lanes in use.
     live: usize,
@@ -66,7 +66,7 @@ impl<T: Transport> Wavefront<T> {
             vertices: Columns::default(),
             found: Vec::new(),
             exactly: Vec::new(),
-            few: FewSearch::default(),
+            search: FewSearch::default(),
             scratch: T::Scratch::default(),
             live: 0,
             capacity,
@@ -148,34 +148,31 @@ impl<T: Transport> Wavefront<T> {
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
         let geometry = &job.scene.geometry;
-        if geometry.is_few::<T::Segment>() {
-            return self.intersect_few(geometry, transport, counters);
-        }
-        for lane in 0..self.live {
-            let (flight, step) = (self.flights.get(lane), self.moves.get(lane));
-            self.found[lane] = intersect(transport, geometry, &flight, &step, counters);
-        }
-    }
-
-    /// The same where primitives are few, lane beside lane.
-    fn intersect_few(&mut self, geometry: &Geometry, transport: &T, counters: &mut Counters) {
-        let Self { flights, moves, few, live, .. } = self;
-        few.queries.resize(*live);
-        let queries = few.queries.blocks_mut(*live);
+        let Self { flights, moves, search, live, found, .. } = self;
+        search.queries.resize(*live);
+        let queries = search.queries.blocks_mut(*live);
         transport.queries_all(flights.blocks(*live), moves.blocks(*live), queries);
-        geometry.search_few(few, *live);
-        for lane in 0..*live {
-            self.found[lane] = match few.need(lane) {
-                Need::Pieces => {
-                    intersect(transport, geometry, &flights.get(lane), &moves.get(lane), counters)
-                }
-                need => {
-                    counters.steps += 1;
-                    counters.queries += u64::from(need == Need::Whole);
-                    few.first(lane).map(|(point, primitive)| Found { point, primitive })
-                }
-            };
+        let is_few = geometry.is_few::<T::Segment>();
+        if is_few {
+            geometry.search_few(search, *live);
         }
+        let find = |lane: usize| {
+            let Query { segment, leaves, need } = search.queries.get(lane);
+            if need == Need::Pieces {
+                let (flight, step) = (flights.get(lane), moves.get(lane));
+                found[lane] = intersect(transport, geometry, &flight, &step, counters);
+                return;
+            }
+            counters.steps += 1;
+            counters.queries += u64::from(need == Need::Whole);
+            found[lane] = match need {
+                Need::Nothing => None,
+                _ if is_few => search.first(lane),
+                _ => geometry.intersect(&segment, leaves).map(|hit| (segment.point(hit.s), hit.primitive)),
+            }
+            .map(|(point, primitive)| Found { point, primitive });
+        };
+        (0..*live).for_each(find);
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
