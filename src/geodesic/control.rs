@@ -151,10 +151,10 @@ impl<R: Real> Control<R> {
     }
 }
 
-/// About x^(1/order), within 10 % for 1e-8 ≤ x ≤ 1e8, by square roots only: with the exponent rounded to 1/64.
+/// About x^(1/order), by square roots only: with the exponent rounded up to 64ths, so that small roots are not too large.
 #[inline(always)]
 fn root(x: f64, order: u32) -> f64 {
-    let exponent = (64 + order / 2) / order.max(1);
+    let exponent = 64u32.div_ceil(order.max(1));
     // Written out and free of choices, so that lanes can run side by side.
     let part = |root: f64, bit: u32| 1.0 + f64::from(exponent >> bit & 1) * (root - 1.0);
     let half = x.sqrt();

@@ -9,11 +9,12 @@
 //! Reference for guiding by photons: Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
 
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::{DMat2, DVec2, DVec3};
 
 use crate::math::frame::tangents;
+use crate::math::turn;
 
 /// A photon where it landed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -269,7 +270,7 @@ impl Lobe {
     /// within 1, and none is out of reach.
     fn sample(&self, x: DVec3, u: f64, v: f64) -> DVec3 {
         let t = (u / (1.0 - u)).sqrt();
-        let (sin, cos) = (TAU * v).sin_cos();
+        let (sin, cos) = turn::sin_cos(v);
         let y = self.middle_at(x) + self.shape * (t * DVec2::new(cos, sin));
         (self.axis + y.x * self.plane[0] + y.y * self.plane[1]).normalize()
     }

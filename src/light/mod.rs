@@ -160,6 +160,11 @@ impl Lights {
         self.sky.is_some()
     }
 
+    /// Whether there are lights without extent that rays are aimed at.
+    pub fn has_points(&self) -> bool {
+        !self.points.is_empty()
+    }
+
     /// Position of the light that [`Target::Point`] names.
     pub fn point(&self, index: u32) -> Option<DVec3> {
         self.points.get(index as usize)?.position()

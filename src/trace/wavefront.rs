@@ -136,6 +136,7 @@ impl<T: Transport> Wavefront<T> {
                 self.vertices.set(self.live, Vertex::default());
             }
             let (lane, leaves) = (self.live, PrimitiveId::NONE);
+            self.exactly[lane] = true;
             self.events.starts.push(Start { lane, position, direction, leaves });
             self.live += 1;
             *next += 1;
@@ -182,15 +183,13 @@ impl<T: Transport> Wavefront<T> {
             job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
         };
         let Self { flights, moves, vertices, found, exactly, live, events, scratch, .. } = self;
-        let lit_lanes = if vertices.is_empty() { 0..0 } else { 0..*live };
-        for lane in lit_lanes {
-            exactly[lane] = true;
-            let Some(illumination) = lit(vertices, lane) else { continue };
-            let vertex = vertices.get(lane);
-            exactly[lane] = light::lands_exactly(&vertex);
-            let ray = (&flights.get(lane), &moves.get(lane), found[lane]);
-            if light::passes_its_light(illumination, transport, ray, &vertex) {
-                events.lit.push((lane, true));
+        // Only lights without extent are passed.
+        if let Some(illumination) = job.illumination.as_ref().filter(|i| i.lights.has_points()) {
+            for lane in (0..*live).filter(|&lane| vertices.get(lane).is_lit) {
+                let ray = (&flights.get(lane), &moves.get(lane), found[lane]);
+                if light::passes_its_light(illumination, transport, ray, &vertices.get(lane)) {
+                    events.lit.push((lane, true));
+                }
             }
         }
         let passed = events.lit.clone();
@@ -296,6 +295,7 @@ impl<T: Transport> Wavefront<T> {
             match gather(&mut path, &mut vertex, is_reached) {
                 Some(direction) => {
                     let Vertex { position, leaves, .. } = vertex;
+                    self.exactly[lane] = true;
                     self.events.starts.push(Start { lane, position, direction, leaves });
                     counters.rays += 1;
                 }
@@ -317,6 +317,7 @@ impl<T: Transport> Wavefront<T> {
             match shade(job, &mut path, &mut vertex, &landing, samples) {
                 Some(direction) => {
                     let Landing { position, primitive: leaves, .. } = landing;
+                    self.exactly[lane] = !vertex.is_lit || light::lands_exactly(&vertex);
                     self.events.starts.push(Start { lane, position, direction, leaves });
                     counters.count_ray(vertex.is_lit);
                 }
@@ -338,6 +339,7 @@ impl<T: Transport> Wavefront<T> {
             self.live -= 1;
             self.paths.set(lane, self.paths.get(self.live));
             self.flights.set(lane, self.flights.get(self.live));
+            self.exactly[lane] = self.exactly[self.live];
             if !self.vertices.is_empty() {
                 self.vertices.set(lane, self.vertices.get(self.live));
             }

@@ -162,10 +162,14 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         step.accepted & !keeps_outside(R::of(self.chart.outer), &flight.phase(), &end)
     }
 
+    #[inline(always)]
     fn may_meet(&self, arc: &Arc) -> bool {
         let (min, max) = self.bounds;
         let (low, high) = (arc.p0.min(arc.p1).min(arc.p2), arc.p0.max(arc.p1).max(arc.p2));
-        low.cmple(max).all() && high.cmpge(min).all()
+        let within = |low: f64, high: f64, min: f64, max: f64| (low <= max) & (high >= min);
+        within(low.x, high.x, min.x, max.x)
+            & within(low.y, high.y, min.y, max.y)
+            & within(low.z, high.z, min.z, max.z)
     }
 
     /// Searches an arc, in halves if it is thick or long beside the geometry.
@@ -264,7 +268,8 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
         let segment = self.0.arc(flight, step);
         let whole = if self.0.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let need = if self.0.is_searched(flight, step) { whole } else { Need::Nothing };
+        let may = self.0.is_searched(flight, step) & self.0.may_meet(&segment);
+        let need = if may { whole } else { Need::Nothing };
         Query { segment, leaves: flight.leaves, need }
     }
 }
