@@ -35,6 +35,7 @@ use glam::DVec3;
 
 use crate::math::chebyshev::Chebyshev;
 use crate::math::frame;
+use crate::math::kernel::widest;
 use crate::math::quadrature::gauss_legendre;
 use crate::spacetime::ConformallyFlat;
 
@@ -137,6 +138,8 @@ const LARGEST: f64 = 128.0;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Angle between places, radians, up to which a ray is guessed to be bent weakly.
 const WEAK: f64 = 2.8;
+/// What the estimated error of a root that is not evaluated must keep of what is enough.
+const SLOPE_SAFETY: f64 = 0.1;
 /// Most iterations of a root.
 const MOST_ITERATIONS: u32 = 60;
 
@@ -297,6 +300,11 @@ impl Lens {
 
     /// The ray from `x` to `y` that sweeps an angle.
     fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
+        widest(Tracking { lens: self, x, y, swept })
+    }
+
+    #[inline(always)]
+    fn find_track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
         if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE {
             return Some(self.circling(x, y, swept));
         }
@@ -304,7 +312,7 @@ impl Lens {
             // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
             let size = |swept: f64| swept + (-(-swept).exp_m1()).ln();
             let wanted = size(swept);
-            return root((-LARGEST, LARGEST, -wanted), self.enough, |t| {
+            return root((-LARGEST, LARGEST, -wanted), self.enough, None, |t| {
                 let above = t.exp();
                 let track = self.through(x, y, above)?;
                 // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
@@ -325,9 +333,17 @@ impl Lens {
         let guess =
             if swept < 0.9 * most { self.guess(near, far, swept, (0.5 * swept).tan()) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * (-swept).exp()) };
-        root((0.0, most, guess), self.enough, |gamma| {
+        // Of a ray at a root that need not be integrated.
+        let at_root = |gamma: f64, slope: f64| {
+            let (b, start, end, distance) = straight(near, far, gamma);
+            let side = near.s.signum();
+            let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
+            let (start, end) = (outwards(start), outwards(end));
+            Track { swept, b, start, end, rate: slope * distance, distance }
+        };
+        root((0.0, most, guess), self.enough, Some(&at_root), |gamma| {
             let track = self.beside(near, far, gamma)?;
-            let slope = track.rate / distance(near, far, gamma);
+            let slope = track.rate / track.distance;
             // Towards the critical ray e^−φ is linear in γ.
             let excess = track.swept - swept;
             let shift =
@@ -340,6 +356,7 @@ impl Lens {
 
     /// The straight angle of a weakly bent ray that sweeps an angle whose half has the tangent `half`: κ is 1 + c q to
     /// first order, and q adds up along the line to the sum of both ends' times that tangent.
+    #[inline(always)]
     fn guess(&self, near: &Site, far: &Site, swept: f64, half: f64) -> f64 {
         let bend = self.weak * self.critical * (near.q + far.q);
         let first = bend * half;
@@ -352,13 +369,12 @@ impl Lens {
 
     /// The ray between two places on the same side of the photon sphere that sweeps the angle `gamma` as a straight
     /// line; from `near`, with the larger q, to `far`.
+    #[inline(always)]
     fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
         let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
+        let (b, leaving, arriving, d) = straight(near, far, gamma);
         let (sin, cos) = gamma.sin_cos();
-        let d = distance(near, far, gamma);
-        let (b, db) = (sin / d, (cos * d * d - near.q * far.q * sin * sin) / (d * d * d));
-        let leaving = [(near.q * cos - far.q) / d, near.q * sin / d];
-        let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
+        let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
         let m = self.critical / b;
         let (swept, slope) = if m > 1.0 {
             // Far away s is 1 to rounding.
@@ -384,6 +400,7 @@ impl Lens {
     }
 
     /// The ray with m − 1 = `above` > 0 between two places on both sides of the photon sphere.
+    #[inline(always)]
     fn through(&self, x: &Site, y: &Site, above: f64) -> Option<Track> {
         let (swept, slope) = self.monotone(&self.through, x.s, y.s, (x.s - y.s).abs(), above);
         let m = 1.0 + above;
@@ -424,6 +441,7 @@ impl Lens {
     }
 
     /// φ and dφ/dm of a ray with m − 1 = `above` > 0, between two places that are `gap` apart.
+    #[inline(always)]
     fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, gap: f64, above: f64) -> (f64, f64) {
         // Where both singularities are far away, a longer unit would cost s its digits.
         let unit = above.sqrt().min(1.0);
@@ -447,6 +465,7 @@ impl Lens {
 
     /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2 atan
     /// `end`, `gamma` apart, from its turning point, on the side of the photon sphere that `side` says.
+    #[inline(always)]
     fn turning(
         &self,
         fit: &Chebyshev,
@@ -535,6 +554,7 @@ fn spread(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
 }
 
 /// Inverse hyperbolic sine of a number ≥ 0, to relative rounding and faster than the standard library's.
+#[inline(always)]
 fn arsinh(x: f64) -> f64 {
     if x > 0.05 {
         return (x + (1.0 + x * x).sqrt()).ln();
@@ -545,14 +565,44 @@ fn arsinh(x: f64) -> f64 {
     x + x * terms.iter().fold(0.0, |sum, term| (sum + term) * square)
 }
 
+/// Of the straight line between two places that are seen under the angle `gamma`: impact parameter, cosine and sine of the
+/// angle to the radius at the start and at the end, and [`distance`].
+#[inline(always)]
+fn straight(near: &Site, far: &Site, gamma: f64) -> (f64, [f64; 2], [f64; 2], f64) {
+    let (sin, cos) = gamma.sin_cos();
+    let d = distance(near, far, gamma);
+    let leaving = [(near.q * cos - far.q) / d, near.q * sin / d];
+    let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
+    (sin / d, leaving, arriving, d)
+}
+
+/// The search for a track, for the widest vectors that the machine has.
+struct Tracking<'a> {
+    lens: &'a Lens,
+    x: &'a Site,
+    y: &'a Site,
+    swept: f64,
+}
+
+impl pulp::NullaryFnOnce for Tracking<'_> {
+    type Output = Option<Track>;
+
+    #[inline(always)]
+    fn call(self) -> Option<Track> {
+        self.lens.find_track(self.x, self.y, self.swept)
+    }
+}
+
 /// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the
 /// triangle of their inverse radii.
+#[inline(always)]
 fn distance(x: &Site, y: &Site, angle: f64) -> f64 {
     let half = (0.5 * angle).sin();
     ((x.q - y.q).powi(2) + 4.0 * x.q * y.q * half * half).sqrt()
 }
 
 /// The track, or the same run backwards.
+#[inline(always)]
 fn oriented(track: Track, reversed: bool) -> Track {
     if !reversed {
         return track;
@@ -562,14 +612,21 @@ fn oriented(track: Track, reversed: bool) -> Track {
 }
 
 /// The track at the root of a function that grows, between two bounds and from a guess: `f` gives the track at a place,
-/// how far it is beyond the root by Newton's method, and whether it is beyond it at all.
+/// how far it is beyond the root by Newton's method, and how much the function is above 0.
+///
+/// `at_root` gives the track at a root, from the slope of the swept angle there: where two places before tell it well
+/// enough, the last is not asked for its integrals.
+#[inline(always)]
 fn root(
     (mut low, mut high, guess): (f64, f64, f64),
     enough: f64,
+    at_root: Option<&dyn Fn(f64, f64) -> Track>,
     f: impl Fn(f64) -> Option<(Track, f64, f64)>,
 ) -> Option<Track> {
     let mut at = guess.clamp(low, high);
     let mut best = None;
+    // The place before, and the slope of the swept angle there.
+    let mut before: Option<(f64, f64)> = None;
     for _ in 0..MOST_ITERATIONS {
         let Some((track, shift, excess)) = f(at) else {
             // Too close to the critical ray for a number.
@@ -589,7 +646,19 @@ fn root(
             break;
         }
         let next = at - shift;
-        at = if next > low && next < high { next } else { 0.5 * (low + high) };
+        let is_inside = next > low && next < high;
+        let slope = track.rate / track.distance;
+        if let (Some(at_root), Some((place, earlier)), true) = (at_root, before, is_inside) {
+            // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's beyond
+            // the straight line through both.
+            let bend = ((slope - earlier) / (slope * (at - place))).abs();
+            let left = (bend * shift).abs() * ((next - place) * bend).abs().max(shift.abs() / at.abs());
+            if left < SLOPE_SAFETY * enough {
+                return Some(at_root(next, slope + (slope - earlier) / (at - place) * (next - at)));
+            }
+        }
+        before = Some((at, slope));
+        at = if is_inside { next } else { 0.5 * (low + high) };
     }
     best
 }
