@@ -310,17 +310,12 @@ impl Lens {
         }
         if (x.s > 0.0) != (y.s > 0.0) {
             // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
-            let size = |swept: f64| swept + (-(-swept).exp_m1()).ln();
             let wanted = size(swept);
-            return root((-LARGEST, LARGEST, -wanted), self.enough, None, |t| {
-                let above = t.exp();
-                let track = self.through(x, y, above)?;
-                // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
-                let slope = track.rate / (track.start[0] * track.end[0]).abs();
-                let slope = -slope * self.critical * above / (1.0 + above).powi(2);
-                let shift = (size(track.swept) - wanted) * -(-track.swept).exp_m1() / slope;
-                Some((track, shift, swept - track.swept))
-            });
+            return root(
+                (-LARGEST, LARGEST, -wanted),
+                self.enough,
+                &Across { lens: self, x, y, swept, wanted },
+            );
         }
         let reversed = y.q > x.q;
         let (near, far) = if reversed { (y, x) } else { (x, y) };
@@ -333,25 +328,8 @@ impl Lens {
         let guess =
             if swept < 0.9 * most { self.guess(near, far, swept, (0.5 * swept).tan()) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * (-swept).exp()) };
-        // Of a ray at a root that need not be integrated.
-        let at_root = |gamma: f64, slope: f64| {
-            let (b, start, end, distance) = straight(near, far, gamma);
-            let side = near.s.signum();
-            let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
-            let (start, end) = (outwards(start), outwards(end));
-            Track { swept, b, start, end, rate: slope * distance, distance }
-        };
-        root((0.0, most, guess), self.enough, Some(&at_root), |gamma| {
-            let track = self.beside(near, far, gamma)?;
-            let slope = track.rate / track.distance;
-            // Towards the critical ray e^−φ is linear in γ.
-            let excess = track.swept - swept;
-            let shift =
-                if excess.abs() < 0.5 { excess * (1.0 + 0.5 * excess) } else { excess.exp_m1().min(1e3) };
-            let shift = shift / slope;
-            Some((track, shift, excess))
-        })
-        .map(|track| oriented(track, reversed))
+        root((0.0, most, guess), self.enough, &Beside { lens: self, near, far, swept })
+            .map(|track| oriented(track, reversed))
     }
 
     /// The straight angle of a weakly bent ray that sweeps an angle whose half has the tangent `half`: κ is 1 + c q to
@@ -512,7 +490,7 @@ impl Lens {
         // nearer one counts.
         let nearer = (middle / exp_arsinh(beyond[0])).min(exp_arsinh(beyond[1]) / middle);
         let real = (nearer.ln() / half).max(1.0);
-        let across = (0.5 * PI / half.max(1e-3)).asinh();
+        let across = arsinh(0.5 * PI / half.max(1e-3));
         let wanted = self.digits / across.min((real + (real * real - 1.0).sqrt()).ln()).max(1e-3);
         let longest = RULES.len() - 1;
         let rule = RULES.iter().position(|&nodes| nodes as f64 >= wanted).unwrap_or(longest);
@@ -611,24 +589,87 @@ fn oriented(track: Track, reversed: bool) -> Track {
     Track { start, end, ..track }
 }
 
-/// The track at the root of a function that grows, between two bounds and from a guess: `f` gives the track at a place,
-/// how far it is beyond the root by Newton's method, and how much the function is above 0.
+/// The rays between two places, by one number.
+trait Family {
+    /// The ray at a place, how far that is beyond the wanted one by Newton's method, and how much too far the ray sweeps.
+    fn at(&self, place: f64) -> Option<(Track, f64, f64)>;
+
+    /// The wanted ray at a place, given how the swept angle grows there; `None` if only an integral tells.
+    fn at_root(&self, place: f64, slope: f64) -> Option<Track>;
+}
+
+/// Rays between two places on both sides of the photon sphere, by ln(m − 1).
+struct Across<'a> {
+    lens: &'a Lens,
+    x: &'a Site,
+    y: &'a Site,
+    swept: f64,
+    /// [`size`] of it.
+    wanted: f64,
+}
+
+/// Nearly a linear function of ln(m − 1): ln(e^φ − 1).
+fn size(swept: f64) -> f64 {
+    swept + (-(-swept).exp_m1()).ln()
+}
+
+impl Family for Across<'_> {
+    #[inline(always)]
+    fn at(&self, t: f64) -> Option<(Track, f64, f64)> {
+        let above = t.exp();
+        let track = self.lens.through(self.x, self.y, above)?;
+        // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
+        let slope = track.rate / (track.start[0] * track.end[0]).abs();
+        let slope = -slope * self.lens.critical * above / (1.0 + above).powi(2);
+        let shift = (size(track.swept) - self.wanted) * -(-track.swept).exp_m1() / slope;
+        Some((track, shift, self.swept - track.swept))
+    }
+
+    #[inline(always)]
+    fn at_root(&self, _: f64, _: f64) -> Option<Track> {
+        None
+    }
+}
+
+/// Rays between two places on one side of the photon sphere, by the angle that they sweep as straight lines.
+struct Beside<'a> {
+    lens: &'a Lens,
+    near: &'a Site,
+    far: &'a Site,
+    swept: f64,
+}
+
+impl Family for Beside<'_> {
+    #[inline(always)]
+    fn at(&self, gamma: f64) -> Option<(Track, f64, f64)> {
+        let track = self.lens.beside(self.near, self.far, gamma)?;
+        let slope = track.rate / track.distance;
+        // Towards the critical ray e^−φ is linear in γ.
+        let excess = track.swept - self.swept;
+        let shift = if excess.abs() < 0.5 { excess * (1.0 + 0.5 * excess) } else { excess.exp_m1().min(1e3) };
+        Some((track, shift / slope, excess))
+    }
+
+    #[inline(always)]
+    fn at_root(&self, gamma: f64, slope: f64) -> Option<Track> {
+        let (b, start, end, distance) = straight(self.near, self.far, gamma);
+        let side = self.near.s.signum();
+        let [start, end] = [start, end].map(|[cos, sin]| [side * cos, sin]);
+        Some(Track { swept: self.swept, b, start, end, rate: slope * distance, distance })
+    }
+}
+
+/// The ray that sweeps as much as is wanted, between two bounds of its number and from a guess.
 ///
-/// `at_root` gives the track at a root, from the slope of the swept angle there: where two places before tell it well
-/// enough, the last is not asked for its integrals.
+/// Where two places before tell the slope well enough, the last is not integrated.
 #[inline(always)]
-fn root(
-    (mut low, mut high, guess): (f64, f64, f64),
-    enough: f64,
-    at_root: Option<&dyn Fn(f64, f64) -> Track>,
-    f: impl Fn(f64) -> Option<(Track, f64, f64)>,
-) -> Option<Track> {
+fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Family) -> Option<Track> {
     let mut at = guess.clamp(low, high);
     let mut best = None;
     // The place before, and the slope of the swept angle there.
     let mut before: Option<(f64, f64)> = None;
     for _ in 0..MOST_ITERATIONS {
-        let Some((track, shift, excess)) = f(at) else {
+        let Some((track, shift, excess)) = rays.at(at) else {
             // Too close to the critical ray for a number.
             high = at;
             at = 0.5 * (low + high);
@@ -648,13 +689,17 @@ fn root(
         let next = at - shift;
         let is_inside = next > low && next < high;
         let slope = track.rate / track.distance;
-        if let (Some(at_root), Some((place, earlier)), true) = (at_root, before, is_inside) {
+        if let (Some((place, earlier)), true) = (before, is_inside) {
             // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's beyond
             // the straight line through both.
-            let bend = ((slope - earlier) / (slope * (at - place))).abs();
-            let left = (bend * shift).abs() * ((next - place) * bend).abs().max(shift.abs() / at.abs());
+            let change = (slope - earlier) / (at - place);
+            let bend = (change / slope).abs();
+            let left = (bend * shift).abs() * ((next - place) * bend).abs().max((shift / at).abs());
             if left < SLOPE_SAFETY * enough {
-                return Some(at_root(next, slope + (slope - earlier) / (at - place) * (next - at)));
+                let found = rays.at_root(next, slope + change * (next - at));
+                if found.is_some() {
+                    return found;
+                }
             }
         }
         before = Some((at, slope));
