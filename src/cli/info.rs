@@ -13,6 +13,7 @@ use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
+use crate::trace::Run;
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
@@ -255,7 +256,10 @@ impl Memory {
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             environment: environment as u64,
-            film: memory::film_bytes((settings.width as u64).saturating_mul(settings.height as u64), &[]),
+            film: memory::film_bytes(
+                (settings.width as u64).saturating_mul(settings.height as u64),
+                &Run::default(),
+            ),
         }
     }
 

@@ -73,6 +73,13 @@ pub struct Run {
     pub aovs: Vec<Aov>,
 }
 
+impl Run {
+    /// Bytes that sums over samples take for each pixel.
+    pub fn pixel_bytes(&self) -> usize {
+        Tile::pixel_bytes(Wanted::new(&self.aovs, self.noise.is_some()))
+    }
+}
+
 impl Default for Run {
     fn default() -> Self {
         Self { threads: 0, batch: 4096, time_limit: None, noise: None, crop: None, aovs: Vec::new() }
@@ -214,8 +221,8 @@ impl Errand for Renderer<'_> {
             planes: Vec::new(),
             attributes: Vec::new(),
         };
-        tile::assemble(&tiles, &run.aovs, &mut image);
         let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
+        tile::assemble(tiles, &run.aovs, &mut image);
         image.attributes = self.attributes(spp);
         Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
     }
@@ -260,7 +267,7 @@ impl Renderer<'_> {
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
         let workers = Workers::new(job, transport, wanted, self.run.batch);
-        let edges: Vec<Edges> = tiles.par_iter().map(|tile| workers.own().edges(tile)).collect();
+        let mut edges: Vec<Option<Edges>> = vec![None; tiles.len()];
         let pixels: u64 = tiles.iter().map(|tile| (tile.size.0 * tile.size.1) as u64).sum();
         let (done, total) = (AtomicU64::new(0), pixels * u64::from(job.settings.spp));
         let mut first_passes = FIRST_PASSES.into_iter();
@@ -268,10 +275,11 @@ impl Renderer<'_> {
         while left > 0 && !self.should_stop(started) {
             let count = first_passes.next().unwrap_or(PASS).min(left);
             left -= count;
-            tiles.par_iter_mut().zip(&edges).for_each(|(tile, edges)| {
+            tiles.par_iter_mut().zip(&mut edges).for_each(|(tile, edges)| {
                 if self.should_stop(started) {
                     return;
                 }
+                let edges = edges.get_or_insert_with(|| workers.own().edges(tile));
                 let paths = workers.own().add_samples(tile, edges, count);
                 let done = done.fetch_add(paths, Ordering::Relaxed) + paths;
                 (self.progress)(Progress { done, total });
