@@ -78,7 +78,7 @@ fn random_step<S: Stepper>(
     };
     let launch = Launch::new(medium, x, direction, f64::EPSILON);
     let (b, mut phase, fate): (f64, Phase<f64>, Fate) = start(medium, &launch);
-    let (mut h, mut previous) = (control.first_step::<_, S>(medium, b, &phase), 1.0);
+    let (mut h, mut previous) = (control.first_step(medium, S::ESTIMATE.order, b, &phase), 1.0);
     let (mut chosen, mut taken) = (None, 0.0);
     for _ in 0..2000 {
         if chart.is_left(fate, phase.w, phase.v) {

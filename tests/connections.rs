@@ -82,7 +82,7 @@ fn march(hole: &Schwarzschild, x: DVec3, direction: DVec3, swept: f64) -> Option
     let launch = Launch::new(hole, x, direction, f64::EPSILON);
     let (b, mut phase, _): (f64, Phase<f64>, _) = start(hole, &launch);
     let control = Control::new(hole, 1e-12, f64::INFINITY);
-    let mut h = control.first_step::<_, Dop853>(hole, b, &phase);
+    let mut h = control.first_step(hole, Dop853::ESTIMATE.order, b, &phase);
     let (mut left, mut previous) = (swept, 1.0);
     for _ in 0..2000 {
         let step = Step::new(hole, &Dop853, b, phase, h);

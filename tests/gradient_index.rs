@@ -85,7 +85,7 @@ fn follow_until<M: ConformallyFlat, S: Stepper>(
 ) -> (Phase<f64>, f64, u32) {
     let control = Control::new(medium, tolerance, f64::INFINITY);
     let (b, mut phase, _) = start::<_, f64>(medium, launch);
-    let mut h = control.first_step::<_, S>(medium, b, &phase);
+    let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
     let (mut swept, mut previous) = (0.0, 1.0);
     for steps in 1..100_000 {
         let step = Step::new(medium, stepper, b, phase, h);

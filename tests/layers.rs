@@ -17,7 +17,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("trace", &["scene", "film", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("plot", &["film"]),
-    ("study", &["trace", "scene", "film", "plot", "geometry", "geodesic", "spacetime", "math"]),
+    ("study", &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("cli", &["study", "trace", "scene", "film", "plot", "light", "shade", "geometry"]),
 ];
 

@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
+use super::bench_args::BenchArgs;
 use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
@@ -37,6 +38,8 @@ pub(super) enum Command {
     Rays(RaysArgs),
     /// Measure errors and speed of steppers and tolerances on a scene
     Study(StudyArgs),
+    /// Race the wavefront against other ways to render a scene, and measure how cost grows
+    Bench(BenchArgs),
     /// Follow the rays of a CSV file through empty space around a hole
     Trace(TraceArgs),
     /// Find all rays that join pairs of points around a hole
@@ -372,11 +375,16 @@ pub(super) struct AccuracyArgs {
 }
 
 /// Puts a flag, if given, over a setting.
-fn set<T: Copy>(flag: Option<T>, value: &mut T) {
+pub(super) fn set<T: Copy>(flag: Option<T>, value: &mut T) {
     *value = flag.unwrap_or(*value);
 }
 
 impl AccuracyArgs {
+    /// Whether the tolerance is given.
+    pub(super) fn has_tolerance(&self) -> bool {
+        self.tolerance.is_some()
+    }
+
     /// Puts the preset, then the single flags, over what the scene file says.
     pub(super) fn apply(&self, settings: &mut Settings) {
         if let Some(quality) = self.quality {

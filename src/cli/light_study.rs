@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::args::{StudyArgs, distinct};
 use super::failure::Failure;
+use super::prefixed::{Files, names};
 use super::progress::Bar;
-use super::study::{Files, load, names};
+use super::study::load;
 use super::units::plural;
 use super::{Outcome, print, say};
 use crate::film::read_exr;

@@ -1,6 +1,8 @@
 //! Arguments → options, one file per subcommand.
 
 mod args;
+mod bench;
+mod bench_args;
 mod compare;
 mod connect;
 mod cost;
@@ -11,6 +13,7 @@ mod light_study;
 mod memory;
 mod outputs;
 mod parse;
+mod prefixed;
 mod progress;
 mod quality;
 mod rays;
@@ -60,6 +63,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::run(args),
         Command::Rays(args) => rays::run(args),
         Command::Study(args) => study::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Connect(args) => connect::run(args),
     };

@@ -1,7 +1,6 @@
 //! `warpfront study`.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::ValueEnum;
 use csv::ByteRecord;
@@ -12,13 +11,12 @@ use super::args::{StudyArgs, distinct};
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::light_study;
+use super::prefixed::{Files, names};
 use super::progress::Bar;
 use super::rays_table::Columns;
 use super::table::{Table, line};
 use super::units::plural;
 use super::{Outcome, print, say};
-use crate::film::atomic::Output;
-use crate::plot::{Figure, Format};
 use crate::scene::{self, Baked, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
@@ -193,47 +191,4 @@ fn some<T>(settings: &[T]) -> Result<(), Failure> {
         .help("give tolerances from 1.2e-5 up for f32, from 2.3e-14 up for f64"));
     }
     Ok(())
-}
-
-/// The files that are written.
-pub(super) struct Files {
-    csv: Output,
-    svg: Output,
-    png: Output,
-}
-
-const EXTENSIONS: [&str; 3] = ["csv", "svg", "png"];
-
-impl Files {
-    /// Opens them all, so that one that cannot be written is found before the study.
-    fn open(prefix: &Path) -> Result<Self, Failure> {
-        let open = |extension| Output::create(&with_suffix(prefix, extension)).map_err(Failure::from);
-        let [csv, svg, png] = EXTENSIONS.map(open);
-        Ok(Self { csv: csv?, svg: svg?, png: png? })
-    }
-
-    /// Writes them all.
-    pub(super) fn write(
-        self,
-        csv: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-        figure: &Figure,
-    ) -> Result<(), Failure> {
-        self.csv.commit(|out| csv(out))?;
-        self.svg.commit(|out| figure.write(Format::Svg, out))?;
-        self.png.commit(|out| figure.write(Format::Png, out))?;
-        Ok(())
-    }
-}
-
-/// The names of the files.
-pub(super) fn names(prefix: &Path) -> String {
-    EXTENSIONS.map(|extension| with_suffix(prefix, extension).display().to_string()).join(", ")
-}
-
-/// `prefix.extension`, whatever dots the prefix has.
-fn with_suffix(prefix: &Path, extension: &str) -> PathBuf {
-    let mut name = prefix.as_os_str().to_owned();
-    name.push(".");
-    name.push(extension);
-    name.into()
 }

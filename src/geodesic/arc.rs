@@ -11,21 +11,24 @@
 use glam::DVec3;
 
 use super::Step;
+use crate::math::columns::columns;
 use crate::math::quadrature::mean;
 use crate::math::real::Real;
 
-/// A rational quadratic Bézier curve in standard form, weights (1, w, 1):
-/// B(s) = ((1−s)² p0 + 2 s(1−s) w p1 + s² p2) / ((1−s)² + 2 s(1−s) w + s²).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
-    /// Start.
-    pub p0: DVec3,
-    /// Where the tangents at both ends meet.
-    pub p1: DVec3,
-    /// End.
-    pub p2: DVec3,
-    /// Weight of `p1`, positive.
-    pub w: f64,
+columns! {
+    /// A rational quadratic Bézier curve in standard form, weights (1, w, 1):
+    /// B(s) = ((1−s)² p0 + 2 s(1−s) w p1 + s² p2) / ((1−s)² + 2 s(1−s) w + s²).
+    #[derive(PartialEq)]
+    pub struct Arc => ArcBlock {
+        /// Start.
+        p0: DVec3,
+        /// Where the tangents at both ends meet.
+        p1: DVec3,
+        /// End.
+        p2: DVec3,
+        /// Weight of `p1`, positive.
+        w: f64,
+    }
 }
 
 impl Arc {

@@ -47,7 +47,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     let out = R::of(w_out);
     let mut phase = start;
     let mut swept = zero;
-    let mut h = control.first_step::<M, S>(medium, b, &phase);
+    let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
     let mut previous = R::of(1.0);
     let mut journey = Journey { end: End::StepLimit, periastron: None, steps: 0 };
     let mut take = |step: &Step<R>, swept: &mut R| {

@@ -100,12 +100,16 @@ impl Launch {
     /// The impact parameter is good to the last digits even for a ray from far away that is aimed at the centre.
     /// `epsilon` is the rounding of the numbers that the ray will be followed in: b keeps some of that away from the
     /// critical one, so that rounding does not change a fate.
+    #[inline(always)]
     pub fn new<M: ConformallyFlat>(medium: &M, x: DVec3, d: DVec3, epsilon: f64) -> Self {
         let (rho, length) = (x.length(), d.length());
         let radial = x / rho;
         let spin = exact::cross(x, d) / (rho * length);
         let sine = spin.length();
-        let along = if sine > 0.0 { (spin / sine).cross(radial) } else { frame::tangents(radial).0 };
+        let turns = sine > 0.0;
+        let (across, any) = ((spin / sine).cross(radial), frame::tangents(radial).0);
+        let pick = |across: f64, any: f64| if turns { across } else { any };
+        let along = DVec3::new(pick(across.x, any.x), pick(across.y, any.y), pick(across.z, any.z));
         let w = 1.0 / rho;
         let n = medium.index_squared(w).sqrt();
         let b = n * rho * sine;
@@ -113,7 +117,7 @@ impl Launch {
         let fate = Fate::of(medium, rho, b, cosine > 0.0);
         // A ray through the centre of a medium without a horizon passes it at a distance that no number can resolve.
         let smallest = if medium.horizon() > 0.0 { 0.0 } else { 1e-30 * rho };
-        let (b, v) = apart(medium, (b.max(smallest), w, -n * cosine), fate, CLOSEST * epsilon);
+        let (b, v) = apart(medium, (b.at_least(smallest), w, -n * cosine), fate, CLOSEST * epsilon);
         Self { radial, along, b, w, v, fate }
     }
 
@@ -134,25 +138,27 @@ impl Launch {
 
 /// Impact parameter b and rate v of a ray that is `closest` or farther from the critical impact parameter, relative to
 /// it, and meets the same fate.
+#[inline(always)]
 fn apart<M: ConformallyFlat>(medium: &M, (b, w, v): (f64, f64, f64), fate: Fate, closest: f64) -> (f64, f64) {
     let critical = medium.critical_impact_parameter();
-    if (b - critical).abs() >= closest * critical {
-        return (b, v);
-    }
+    let is_near = (b - critical).abs() < closest * critical;
     let n2 = medium.index_squared(w);
     let rate = |b: f64| n2 - (b * w) * (b * w);
     // A ray that goes where it ends is as well one that does not turn; one that turns first has to be outside the gap
     // that b leaves around the photon sphere.
     let (below, above) = (critical * (1.0 - closest), critical * (1.0 + closest));
     let escapes = fate == Fate::Escapes;
-    let turns = (v < 0.0) != escapes && rate(above) > closest * n2;
-    let b = if turns { above } else { below };
-    let inwards = if turns { escapes } else { !escapes };
-    (b, if inwards { rate(b).sqrt() } else { -rate(b).sqrt() })
+    let turns = ((v < 0.0) != escapes) & (rate(above) > closest * n2);
+    let moved = if turns { above } else { below };
+    let speed = rate(moved).sqrt();
+    let inwards = turns == escapes;
+    let pick = |moved: f64, kept: f64| if is_near { moved } else { kept };
+    (pick(moved, b), pick(if inwards { speed } else { -speed }, v))
 }
 
 impl<R: Real> Phase<R> {
     /// The phase at `w` and `v`.
+    #[inline(always)]
     pub fn new<M: ConformallyFlat>(medium: &M, w: R, v: R) -> Self {
         Self { w, v, pull: medium.pull(w) }
     }

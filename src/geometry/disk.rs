@@ -16,24 +16,22 @@ impl Disk {
     #[inline(always)]
     pub(super) fn holds(&self, p: DVec3) -> bool {
         let radius2 = (p - self.center).length_squared();
-        radius2 >= self.inner * self.inner && radius2 <= self.outer * self.outer
+        (radius2 >= self.inner * self.inner) & (radius2 <= self.outer * self.outer)
     }
 }
 
-/// First crossing of `disk` by `line`.
+/// First crossing of `disk` by `line`; infinite if there is none.
 #[inline(always)]
-pub fn cross_line(line: &Line, disk: &Disk, leaves: bool) -> Option<f64> {
+pub fn cross_line(line: &Line, disk: &Disk, leaves: bool) -> f64 {
     let (start, end) = (disk.height(line.p0), disk.height(line.p2));
-    if leaves || positive(start) == positive(end) {
-        return None;
-    }
+    let crosses = !leaves & (positive(start) != positive(end));
     let s = start / (start - end);
-    disk.holds(line.p0 + s * (line.p2 - line.p0)).then_some(s)
+    if crosses & disk.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
 }
 
-/// First crossing of `disk` by `arc`.
+/// First crossing of `disk` by `arc`; infinite if there is none.
 #[inline(always)]
-pub fn cross_arc(arc: &Arc, disk: &Disk, leaves: bool) -> Option<f64> {
+pub fn cross_arc(arc: &Arc, disk: &Disk, leaves: bool) -> f64 {
     let start = if leaves { 0.0 } else { disk.height(arc.p0) };
     cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), leaves, |s| disk.holds(arc.point(s)))
 }
@@ -48,6 +46,6 @@ mod tests {
         let through = |x: f64| {
             cross_line(&Line { p0: DVec3::new(x, 1.0, 0.0), p2: DVec3::new(x, -1.0, 0.0) }, &disk, false)
         };
-        assert_eq!((through(0.5), through(1.5), through(2.5)), (None, Some(0.5), None));
+        assert_eq!((through(0.5), through(1.5), through(2.5)), (f64::INFINITY, 0.5, f64::INFINITY));
     }
 }

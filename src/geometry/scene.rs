@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::bvh::Bvh;
 use super::distance::Reach;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
+use crate::math::columns::{columns, plain_field};
 
 /// Names a primitive; for triangles of an instance both numbers matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,6 +23,8 @@ impl PrimitiveId {
     /// No primitive.
     pub const NONE: PrimitiveId = PrimitiveId { item: u32::MAX, triangle: u32::MAX };
 }
+
+plain_field!(PrimitiveId);
 
 impl Default for PrimitiveId {
     fn default() -> Self {
@@ -47,6 +50,36 @@ pub struct SurfacePoint {
     pub shading_normal: DVec3,
     /// Material and entity.
     pub surface: Surface,
+}
+
+columns! {
+    /// What a primitive is a part of: a sphere, or a plane, whose radius is 0.
+    pub struct Carrier => CarrierBlock {
+        /// Centre of the sphere, or a point of the plane.
+        anchor: DVec3,
+        /// Unit normal of the plane.
+        normal: DVec3,
+        /// Radius of the sphere.
+        radius: f64,
+    }
+}
+
+impl Carrier {
+    fn plane(anchor: DVec3, normal: DVec3) -> Self {
+        Self { anchor, normal, radius: 0.0 }
+    }
+
+    /// Distance from the carrier at `point`, signed, and its gradient.
+    #[inline(always)]
+    pub fn height(&self, point: DVec3) -> (f64, DVec3) {
+        let from = point - self.anchor;
+        let distance = from.length();
+        let is_sphere = self.radius > 0.0;
+        let pick = |sphere: f64, plane: f64| if is_sphere { sphere } else { plane };
+        let (round, flat) = (from / distance, self.normal);
+        let normal = DVec3::new(pick(round.x, flat.x), pick(round.y, flat.y), pick(round.z, flat.z));
+        (pick(distance - self.radius, flat.dot(from)), normal)
+    }
 }
 
 /// How much there is.
@@ -124,7 +157,7 @@ impl Geometry {
     /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        let segment = &segment.transformed(&DAffine3::from_translation(-self.origin));
+        let segment = &segment.shifted(-self.origin);
         let chord = segment.chord();
         let direction = (chord.end - chord.start).normalize_or_zero();
         let mut nearest: Option<Hit> = None;
@@ -132,17 +165,18 @@ impl Geometry {
             let item = slot as u32;
             let own = |triangle: u32| leaves == PrimitiveId { item, triangle };
             let found = match self.items[slot] {
-                Item::Triangle(i) => {
-                    segment.cross_triangle(&self.triangles[i as usize], own(0)).map(|s| (s, 0))
-                }
-                Item::Sphere(i) => segment.cross_sphere(&self.spheres[i as usize].0, own(0)).map(|s| (s, 0)),
-                Item::Disk(i) => segment.cross_disk(&self.disks[i as usize].0, own(0)).map(|s| (s, 0)),
+                Item::Triangle(i) => (segment.cross_triangle(&self.triangles[i as usize], own(0)), 0),
+                Item::Sphere(i) => (segment.cross_sphere(&self.spheres[i as usize].0, own(0)), 0),
+                Item::Disk(i) => (segment.cross_disk(&self.disks[i as usize].0, own(0)), 0),
                 Item::Instance(i) => {
                     let left = (leaves.item == item).then_some(leaves.triangle);
                     self.intersect_instance(&self.placed[i as usize], segment, left)
                 }
             };
-            let Some((s, triangle)) = found else { return f64::INFINITY };
+            let (s, triangle) = found;
+            if s == f64::INFINITY {
+                return s;
+            }
             let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
             if nearest.is_none_or(|best| self.is_before(&hit, &best)) {
                 nearest = Some(hit);
@@ -152,26 +186,29 @@ impl Geometry {
         nearest
     }
 
-    /// The first triangle of a placed mesh that `segment` (world, relative to the origin) meets, by parameter and slot.
+    /// The first triangle of a placed mesh that `segment` (world, relative to the origin) meets, by parameter (infinite if
+    /// there is none) and slot.
     fn intersect_instance<S: Segment>(
         &self,
         placed: &Placed,
         segment: &S,
         leaves: Option<u32>,
-    ) -> Option<(f64, u32)> {
-        let shared = self.shared[placed.mesh as usize].as_ref()?;
+    ) -> (f64, u32) {
+        let Some(shared) = &self.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
         let segment = segment.transformed(&placed.to_object);
         let chord = segment.chord();
         let direction = (chord.end - chord.start).normalize_or_zero();
-        let mut nearest: Option<(f64, u32)> = None;
+        let mut nearest = (f64::INFINITY, 0);
         shared.bvh.walk(&chord, |slot| {
             let own = leaves == Some(slot as u32);
-            let Some(s) = segment.cross_triangle(&shared.triangles[slot], own) else { return f64::INFINITY };
+            let s = segment.cross_triangle(&shared.triangles[slot], own);
+            if s == f64::INFINITY {
+                return s;
+            }
             let original = |slot: u32| shared.order[slot as usize];
-            let earlier = nearest
-                .is_none_or(|(best, at)| s < best || (s == best && original(slot as u32) < original(at)));
-            if earlier {
-                nearest = Some((s, slot as u32));
+            let (best, at) = nearest;
+            if s < best || (s == best && original(slot as u32) < original(at)) {
+                nearest = (s, slot as u32);
             }
             (segment.point(s) - chord.start).dot(direction)
         });
@@ -180,10 +217,12 @@ impl Geometry {
 
     /// Every primitive tested against `segment`, without a BVH: the oracle for [`Self::intersect`].
     pub fn intersect_brute_force<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        let segment = &segment.transformed(&DAffine3::from_translation(-self.origin));
+        let segment = &segment.shifted(-self.origin);
         let mut nearest: Option<Hit> = None;
-        let mut consider = |s: Option<f64>, primitive: PrimitiveId| {
-            let Some(s) = s else { return };
+        let mut consider = |s: f64, primitive: PrimitiveId| {
+            if s == f64::INFINITY {
+                return;
+            }
             let hit = Hit { s, primitive };
             if nearest.is_none_or(|best| self.is_before(&hit, &best)) {
                 nearest = Some(hit);
@@ -216,34 +255,28 @@ impl Geometry {
         a.s < b.s || (a.s == b.s && given(a) < given(b))
     }
 
-    /// Signed distance-like function of a primitive's carrier (sphere or plane) at a world point, and its gradient:
-    /// what a hit is polished with.
-    pub fn carrier(&self, primitive: PrimitiveId, point: DVec3) -> (f64, DVec3) {
-        let point = point - self.origin;
+    /// The carrier of a primitive, in the world.
+    pub fn carrier(&self, primitive: PrimitiveId) -> Carrier {
         match self.items[primitive.item as usize] {
             Item::Sphere(i) => {
-                let from = point - self.spheres[i as usize].0.center;
-                let distance = from.length();
-                (distance - self.spheres[i as usize].0.radius, from / distance)
+                let Sphere { center, radius } = self.spheres[i as usize].0;
+                Carrier { anchor: center + self.origin, normal: DVec3::ZERO, radius }
             }
             Item::Disk(i) => {
-                let disk = &self.disks[i as usize].0;
-                (disk.normal.dot(point - disk.center), disk.normal)
+                let Disk { center, normal, .. } = self.disks[i as usize].0;
+                Carrier::plane(center + self.origin, normal)
             }
             Item::Triangle(i) => {
                 let triangle = &self.triangles[i as usize];
-                let normal = triangle.normal().normalize_or_zero();
-                (normal.dot(point - triangle.corner(0)), normal)
+                Carrier::plane(triangle.corner(0) + self.origin, triangle.normal().normalize_or_zero())
             }
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
-                let Some(shared) = &self.shared[placed.mesh as usize] else { return (0.0, DVec3::ZERO) };
+                let Some(shared) = &self.shared[placed.mesh as usize] else { return Carrier::default() };
                 let triangle = &shared.triangles[primitive.triangle as usize];
-                let gradient = placed.normal_to_world * triangle.normal();
-                let scale = gradient.length();
-                let height =
-                    triangle.normal().dot(placed.to_object.transform_point3(point) - triangle.corner(0));
-                (height / scale, gradient / scale)
+                let anchor = placed.to_object.inverse().transform_point3(triangle.corner(0));
+                let normal = (placed.normal_to_world * triangle.normal()).normalize_or_zero();
+                Carrier::plane(anchor + self.origin, normal)
             }
         }
     }

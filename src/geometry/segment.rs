@@ -4,6 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::{Disk, Sphere, Triangle, disk, sphere, triangle};
 use crate::geodesic::Arc;
+use crate::math::columns::columns;
 
 /// The straight line between a segment's ends, and how far the segment strays from it.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,7 @@ pub struct Chord {
 /// A piece of a ray over a parameter s in [0, 1], half-open: a crossing at the shared end of two segments belongs to
 /// exactly one of them.
 ///
-/// The intersections give the smallest s at which the segment crosses the shape. `leaves` says that the segment starts
+/// The intersections give the smallest s at which the segment crosses the shape, infinite if there is none. `leaves` says that the segment starts
 /// on that very shape: the crossing at s = 0 is then divided out exactly, and later ones count.
 pub trait Segment: Copy {
     /// Chord and sagitta.
@@ -28,23 +29,27 @@ pub trait Segment: Copy {
     fn point(&self, s: f64) -> DVec3;
     /// Parameter of the point that lies as far along the chord as `point`, in [0, 1].
     fn parameter_beside(&self, point: DVec3) -> f64;
+    /// The segment, moved.
+    fn shifted(&self, by: DVec3) -> Self;
     /// The segment under an affine map; the parameter keeps its meaning.
     fn transformed(&self, map: &DAffine3) -> Self;
     /// First crossing of a sphere.
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64>;
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64;
     /// First crossing of a triangle.
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64>;
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64;
     /// First crossing of an annulus.
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64>;
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64;
 }
 
-/// A straight segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
-    /// Start.
-    pub p0: DVec3,
-    /// End.
-    pub p2: DVec3,
+columns! {
+    /// A straight segment.
+    #[derive(PartialEq)]
+    pub struct Line => LineBlock {
+        /// Start.
+        p0: DVec3,
+        /// End.
+        p2: DVec3,
+    }
 }
 
 impl Segment for Line {
@@ -65,23 +70,28 @@ impl Segment for Line {
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
     }
 
+    #[inline(always)]
+    fn shifted(&self, by: DVec3) -> Self {
+        Line { p0: self.p0 + by, p2: self.p2 + by }
+    }
+
     #[inline]
     fn transformed(&self, map: &DAffine3) -> Self {
         Line { p0: map.transform_point3(self.p0), p2: map.transform_point3(self.p2) }
     }
 
     #[inline(always)]
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64> {
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64 {
         sphere::cross_line(self, sphere, leaves)
     }
 
     #[inline(always)]
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64> {
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64 {
         triangle::cross_line(self, triangle, leaves)
     }
 
     #[inline(always)]
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64> {
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64 {
         disk::cross_line(self, disk, leaves)
     }
 }
@@ -102,6 +112,11 @@ impl Segment for Arc {
         Arc::parameter_beside(self, point)
     }
 
+    #[inline(always)]
+    fn shifted(&self, by: DVec3) -> Self {
+        Arc { p0: self.p0 + by, p1: self.p1 + by, p2: self.p2 + by, w: self.w }
+    }
+
     #[inline]
     fn transformed(&self, map: &DAffine3) -> Self {
         Arc {
@@ -113,17 +128,17 @@ impl Segment for Arc {
     }
 
     #[inline(always)]
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> Option<f64> {
+    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64 {
         sphere::cross_arc(self, sphere, leaves)
     }
 
     #[inline(always)]
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> Option<f64> {
+    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64 {
         triangle::cross_arc(self, triangle, leaves)
     }
 
     #[inline(always)]
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> Option<f64> {
+    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64 {
         disk::cross_arc(self, disk, leaves)
     }
 }

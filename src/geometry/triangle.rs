@@ -78,55 +78,47 @@ impl Frame {
     }
 }
 
-/// First crossing of `triangle` by `line`.
+/// First crossing of `triangle` by `line`; infinite if there is none.
 #[inline(always)]
-pub fn cross_line(line: &Line, triangle: &Triangle, leaves: bool) -> Option<f64> {
+pub fn cross_line(line: &Line, triangle: &Triangle, leaves: bool) -> f64 {
     let frame = triangle.frame();
     let start = frame.normal.dot(line.p0 - frame.corner);
     let end = frame.normal.dot(line.p2 - frame.corner);
-    if leaves || positive(start) == positive(end) {
-        return None;
-    }
+    let crosses = !leaves & (positive(start) != positive(end));
     let s = start / (start - end);
-    frame.holds(line.p0 + s * (line.p2 - line.p0)).then_some(s)
+    if crosses && frame.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
 }
 
-/// First crossing of `triangle` by `arc`.
+/// First crossing of `triangle` by `arc`; infinite if there is none.
 #[inline(always)]
-pub fn cross_arc(arc: &Arc, triangle: &Triangle, leaves: bool) -> Option<f64> {
+pub fn cross_arc(arc: &Arc, triangle: &Triangle, leaves: bool) -> f64 {
     let frame = triangle.frame();
     let height = |p: DVec3| frame.normal.dot(p - frame.corner);
     let start = if leaves { 0.0 } else { height(arc.p0) };
-    cross_plane(start, arc.w * height(arc.p1), height(arc.p2), leaves, |s| frame.holds(arc.point(s)))
+    let accepts = |s: f64| frame.holds(arc.point(s));
+    cross_plane(start, arc.w * height(arc.p1), height(arc.p2), leaves, accepts)
 }
 
-/// First sign change of the quadratic with Bernstein coefficients `start`, `middle`, `end` that is `accepted`.
+/// First sign change of the quadratic with Bernstein coefficients `start`, `middle`, `end` that is `accepted`; infinite
+/// if there is none.
 ///
 /// `leaves`: the root at 0 (where `start` vanishes) does not count.
 #[inline(always)]
-pub fn cross_plane(
-    start: f64,
-    middle: f64,
-    end: f64,
-    leaves: bool,
-    accepted: impl Fn(f64) -> bool,
-) -> Option<f64> {
+pub fn cross_plane(start: f64, middle: f64, end: f64, leaves: bool, accepted: impl Fn(f64) -> bool) -> f64 {
     if leaves {
         // Divided by s: (1−s) 2 middle + s end.
-        if positive(middle) == positive(end) {
-            return None;
-        }
+        let crosses = positive(middle) != positive(end);
         let s = 2.0 * middle / (2.0 * middle - end);
-        return accepted(s).then_some(s);
+        return if crosses && accepted(s) { s } else { f64::INFINITY };
     }
     let crosses = positive(start) != positive(end);
     if !crosses && positive(start) == positive(middle) {
-        return None;
+        return f64::INFINITY;
     }
     // With τ = s/(1−s): end τ² + 2 middle τ + start = 0; s = numerator/(numerator + denominator) never overflows.
     let discriminant = middle * middle - start * end;
     if !crosses && discriminant <= 0.0 {
-        return None;
+        return f64::INFINITY;
     }
     let q = -(middle + discriminant.max(0.0).sqrt().copysign(middle));
     let (one, other) = (q / (q + end), start / (start + q));
@@ -134,10 +126,11 @@ pub fn cross_plane(
         // Roots of opposite sign in τ: the positive one is in the interval.
         let s = if positive(q) == positive(end) { one } else { other };
         let s = if s.is_nan() { 1.0 } else { s.clamp(0.0, 1.0) };
-        return accepted(s).then_some(s);
+        return if accepted(s) { s } else { f64::INFINITY };
     }
     let (first, second) = if one <= other { (one, other) } else { (other, one) };
-    [first, second].into_iter().find(|&s| (0.0..=1.0).contains(&s) && accepted(s))
+    let inside = |s: &f64| (0.0..=1.0).contains(s) && accepted(*s);
+    [first, second].into_iter().find(inside).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]
@@ -152,10 +145,10 @@ mod tests {
             cross_line(&Line { p0: DVec3::new(x, y, 1.0), p2: DVec3::new(x, y, -3.0) }, &UNIT, false)
         };
         for (x, y) in [(0.25, 0.25), (0.0, 0.0), (1.0, 0.0), (0.5, 0.5), (0.0, 0.3)] {
-            assert_eq!(through(x, y), Some(0.25), "({x}, {y})");
+            assert_eq!(through(x, y), 0.25, "({x}, {y})");
         }
         for (x, y) in [(-1e-9, 0.5), (0.5, -1e-9), (0.5, 0.5 + 1e-9), (2.0, 2.0)] {
-            assert_eq!(through(x, y), None, "({x}, {y})");
+            assert_eq!(through(x, y), f64::INFINITY, "({x}, {y})");
         }
     }
 
@@ -168,12 +161,12 @@ mod tests {
             p2: DVec3::new(x1, 0.1, 1.0),
             w: 1.0,
         };
-        let s = cross_arc(&arc(-0.5, 0.9), &UNIT, false).expect("second crossing");
+        let s = cross_arc(&arc(-0.5, 0.9), &UNIT, false);
         let z = arc(-0.5, 0.9).point(s).z;
-        assert!(s > 0.5 && z.abs() < 1e-15, "s = {s}, z = {z}");
-        let s = cross_arc(&arc(0.1, 0.8), &UNIT, false).expect("first crossing");
+        assert!(s.is_finite() && s > 0.5 && z.abs() < 1e-15, "s = {s}, z = {z}");
+        let s = cross_arc(&arc(0.1, 0.8), &UNIT, false);
         assert!(s < 0.5);
-        assert_eq!(cross_arc(&arc(2.0, 3.0), &UNIT, false), None);
+        assert_eq!(cross_arc(&arc(2.0, 3.0), &UNIT, false), f64::INFINITY);
     }
 
     #[test]
@@ -184,10 +177,10 @@ mod tests {
             p2: DVec3::new(0.3, 0.3, -0.2),
             w: 0.9,
         };
-        let s = cross_arc(&rise, &UNIT, true).expect("bends back");
-        assert!(s > 0.1 && rise.point(s).z.abs() < 1e-15);
+        let s = cross_arc(&rise, &UNIT, true);
+        assert!(s.is_finite() && s > 0.1 && rise.point(s).z.abs() < 1e-15);
         let away = Arc { p2: DVec3::new(0.3, 0.3, 1.0), ..rise };
-        assert_eq!(cross_arc(&away, &UNIT, true), None);
+        assert_eq!(cross_arc(&away, &UNIT, true), f64::INFINITY);
     }
 
     #[test]
@@ -197,8 +190,8 @@ mod tests {
             let (p0, p2) = (DVec3::new(a.sin(), a.cos(), 0.7), DVec3::new(0.3, (0.5 * a).sin(), -0.4));
             let line = cross_line(&Line { p0, p2 }, &UNIT, false);
             let arc = cross_arc(&Arc { p0, p1: 0.5 * (p0 + p2), p2, w: 1.0 }, &UNIT, false);
-            assert_eq!(line.is_some(), arc.is_some());
-            if let (Some(line), Some(arc)) = (line, arc) {
+            assert_eq!(line.is_finite(), arc.is_finite());
+            if line.is_finite() {
                 assert!((line - arc).abs() < 1e-14, "{line} {arc}");
             }
         }

@@ -18,7 +18,7 @@ pub fn first_sign_change<const N: usize>(c: [f64; N]) -> Option<f64> {
 #[inline(never)]
 fn isolate<const N: usize>(c: [f64; N]) -> Option<f64> {
     match variations(&c) {
-        1 => Some(bracketed_root(&c)),
+        1 => Some(bracketed_roots(&c.map(|c| [c]))[0]),
         _ => subdivided(c),
     }
 }
@@ -29,8 +29,9 @@ pub fn positive(value: f64) -> bool {
     value >= 0.0
 }
 
+/// Sign variations of the coefficients: at least as many as there are roots.
 #[inline(always)]
-fn variations<const N: usize>(c: &[f64; N]) -> usize {
+pub fn variations<const N: usize>(c: &[f64; N]) -> usize {
     c.windows(2).filter(|pair| positive(pair[0]) != positive(pair[1])).count()
 }
 
@@ -46,7 +47,7 @@ fn subdivided<const N: usize>(c: [f64; N]) -> Option<f64> {
         let (c, start, width, depth) = pending[count];
         match variations(&c) {
             0 => {}
-            1 => return Some(start + width * bracketed_root(&c)),
+            1 => return Some(start + width * bracketed_roots(&c.map(|c| [c]))[0]),
             _ if depth == MAX_DEPTH => {}
             _ => {
                 let (left, right) = halves(c);
@@ -77,49 +78,63 @@ fn halves<const N: usize>(mut c: [f64; N]) -> ([f64; N], [f64; N]) {
     (left, right)
 }
 
-/// Value of the polynomial at `s`, by de Casteljau's algorithm, in the form that is exact at both ends.
-#[inline]
-fn value<const N: usize>(c: &[f64; N], s: f64) -> f64 {
+/// Values of polynomials at `s`, by de Casteljau's algorithm, in the form that is exact at both ends.
+#[inline(always)]
+fn values<const N: usize, const L: usize>(c: &[[f64; L]; N], s: &[f64; L]) -> [f64; L] {
     let mut c = *c;
     for level in 1..N {
         for i in 0..N - level {
-            c[i] = (1.0 - s) * c[i] + s * c[i + 1];
+            for l in 0..L {
+                c[i][l] = (1.0 - s[l]) * c[i][l] + s[l] * c[i + 1][l];
+            }
         }
     }
     c[0]
 }
 
-/// The root of a polynomial with exactly one sign variation: regula falsi with Illinois' correction, safeguarded by
-/// bisection.
-fn bracketed_root<const N: usize>(c: &[f64; N]) -> f64 {
-    let (mut a, mut b) = (0.0, 1.0);
+/// Interval in which a root is known well enough.
+const NARROW: f64 = 4e-16;
+
+/// The roots of polynomials with exactly one sign variation each, side by side: regula falsi with Illinois' correction,
+/// safeguarded by bisection. Lanes do not depend on each other.
+#[inline(always)]
+pub fn bracketed_roots<const N: usize, const L: usize>(c: &[[f64; L]; N]) -> [f64; L] {
+    let (mut a, mut b) = ([0.0; L], [1.0; L]);
     let (mut fa, mut fb) = (c[0], c[N - 1]);
     // Beside the smaller end: an end that is zero but for rounding is not to be taken for the root.
-    let scale = fa.abs().min(fb.abs());
-    let mut side = 0i8;
+    let enough: [f64; L] = std::array::from_fn(|l| 1e-15 * fa[l].abs().min(fb[l].abs()));
+    // Which end moved last: 1 the right one, -1 the left one.
+    let mut side = [0.0; L];
     for iteration in 0..100 {
-        let secant = (a * fb - b * fa) / (fb - fa);
-        let inside = secant > a && secant < b;
-        let s = if inside && iteration % 8 != 7 { secant } else { 0.5 * (a + b) };
-        let f = value(c, s);
-        if f.abs() <= 1e-15 * scale || b - a <= 4e-16 {
-            return s;
+        let mut s = [0.0; L];
+        for l in 0..L {
+            let secant = (a[l] * fb[l] - b[l] * fa[l]) / (fb[l] - fa[l]);
+            let inside = (secant > a[l]) & (secant < b[l]) & (iteration % 8 != 7);
+            s[l] = if inside { secant } else { 0.5 * (a[l] + b[l]) };
         }
-        if positive(f) == positive(fb) {
-            (b, fb) = (s, f);
-            if side == 1 {
-                fa *= 0.5;
-            }
-            side = 1;
-        } else {
-            (a, fa) = (s, f);
-            if side == -1 {
-                fb *= 0.5;
-            }
-            side = -1;
+        let f = values(c, &s);
+        let mut width = [0.0; L];
+        for l in 0..L {
+            let (at, left, right) = (s[l], a[l], b[l]);
+            let (value, value_a, value_b, moved) = (f[l], fa[l], fb[l], side[l]);
+            let found = (value.abs() <= enough[l]) | (right - left <= NARROW);
+            let is_right = positive(value) == positive(value_b);
+            let kept_a = value_a * if moved > 0.0 { 0.5 } else { 1.0 };
+            let kept_b = value_b * if moved < 0.0 { 0.5 } else { 1.0 };
+            // A root that is found closes its interval, which stays closed.
+            let (new_a, new_b) = (if is_right { left } else { at }, if is_right { at } else { right });
+            let (new_a, new_b) = (if found { at } else { new_a }, if found { at } else { new_b });
+            fa[l] = if is_right { kept_a } else { value };
+            fb[l] = if is_right { value } else { kept_b };
+            (a[l], b[l]) = (new_a, new_b);
+            side[l] = if is_right { 1.0 } else { -1.0 };
+            width[l] = new_b - new_a;
+        }
+        if width == [0.0; L] {
+            break;
         }
     }
-    0.5 * (a + b)
+    std::array::from_fn(|l| 0.5 * (a[l] + b[l]))
 }
 
 #[cfg(test)]
@@ -159,6 +174,18 @@ mod tests {
                     (found, expected) => assert_eq!(found, expected, "{roots:?}"),
                 }
             }
+        }
+    }
+
+    #[test]
+    fn roots_side_by_side_are_those_one_by_one() {
+        let all: Vec<[f64; 5]> = (0..8)
+            .map(|i| from_roots([0.1 * (1.0 + f64::from(i)), 2.0, 3.0, -1.0 - f64::from(i)], 1.0))
+            .collect();
+        let side_by_side =
+            bracketed_roots::<5, 8>(&std::array::from_fn(|k| std::array::from_fn(|l| all[l][k])));
+        for (c, root) in all.iter().zip(side_by_side) {
+            assert_eq!(first_sign_change(*c), Some(root));
         }
     }
 

@@ -6,7 +6,7 @@ use glam::DVec3;
 ///
 /// Jeannerod, Louvet, Muller 2013, "Further analysis of Kahan's algorithm for the accurate computation of 2×2
 /// determinants", Math. Comp. 82, 2245.
-#[inline]
+#[inline(always)]
 pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let cd = c * d;
     let error = c.mul_add(-d, cd);
@@ -14,7 +14,7 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 }
 
 /// a × b, each component to within 1.5 units in its last place, however nearly parallel the vectors are.
-#[inline]
+#[inline(always)]
 pub fn cross(a: DVec3, b: DVec3) -> DVec3 {
     DVec3::new(
         difference_of_products(a.y, b.z, a.z, b.y),

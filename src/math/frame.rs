@@ -5,7 +5,7 @@ use glam::DVec3;
 /// Two unit vectors that complete the unit vector `normal` to a right-handed orthonormal frame.
 ///
 /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
-#[inline]
+#[inline(always)]
 pub fn tangents(normal: DVec3) -> (DVec3, DVec3) {
     let sign = 1.0_f64.copysign(normal.z);
     let a = -1.0 / (sign + normal.z);

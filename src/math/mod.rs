@@ -2,8 +2,11 @@
 
 pub mod bernstein;
 pub mod chebyshev;
+pub mod columns;
 pub mod dual;
 pub mod exact;
 pub mod frame;
+pub mod kernel;
 pub mod quadrature;
 pub mod real;
+pub mod turn;

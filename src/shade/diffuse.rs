@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::math::frame::tangents;
+use crate::math::turn;
 
 /// A direction around the unit vector `normal` with density cos θ/π, from two numbers in [0, 1).
 ///
@@ -10,7 +11,7 @@ use crate::math::frame::tangents;
 pub fn sample(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(normal);
     let radius = u.sqrt();
-    let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+    let (sin, cos) = turn::sin_cos(v);
     radius * (cos * tangent + sin * bitangent) + (1.0 - u).sqrt() * normal
 }
 

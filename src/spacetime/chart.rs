@@ -17,9 +17,11 @@ impl Fate {
     ///
     /// There is one circular ray, at the photon sphere. Outside it only inward rays below the critical impact parameter
     /// are captured; inside, only outward rays below it escape \[Darwin 1959; Synge 1966\].
+    #[inline(always)]
     pub fn of<M: ConformallyFlat>(medium: &M, rho: f64, b: f64, outwards: bool) -> Self {
         let passes = b < medium.critical_impact_parameter();
-        let escapes = if rho >= medium.photon_sphere() { outwards || !passes } else { outwards && passes };
+        let outside = rho >= medium.photon_sphere();
+        let escapes = (outside & (outwards | !passes)) | (!outside & outwards & passes);
         if escapes { Fate::Escapes } else { Fate::Falls }
     }
 }

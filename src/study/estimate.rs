@@ -1,7 +1,9 @@
 //! Means of a few measurements and what they are worth.
 
+use serde::Serialize;
+
 /// A value and its standard error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// The value.
     pub value: f64,

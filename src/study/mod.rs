@@ -1,5 +1,6 @@
 //! What the tracer does, looked at from outside: its rays, its errors, its speed and its pictures.
 
+pub mod bench;
 pub mod compare;
 pub mod connections;
 pub mod ends;

@@ -3,18 +3,15 @@
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
 
-mod columns;
 mod curved;
 mod edges;
 mod exposure;
 mod fate;
 mod illumination;
-mod march;
 mod paper;
 mod path;
 mod per_pixel;
 mod photons;
-mod polish;
 mod samples;
 mod shoot;
 pub mod stages;
@@ -36,10 +33,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::geodesic::Control;
+use crate::geodesic::{Arc, Control};
 use crate::scene::{Baked, Precision, SamplerKind, SpacetimeKind};
 use crate::shade::Sampler;
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
+use curved::march::march;
 use curved::{Curved, Lane};
 use edges::Edges;
 pub use fate::Fate;
@@ -48,7 +46,7 @@ pub use illumination::{LightSummary, light_sampling};
 use paper::PaperMarch;
 use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
-pub use stats::{Counters, Fates, StageTimes, Stats};
+pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
 use straight::Straight;
 use tile::Tile;
 pub use trail::{Trail, trails};
@@ -120,16 +118,19 @@ pub fn render(
     cancel: &AtomicBool,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Rendered {
-    with_transport(scene, Renderer { scene, run, cancel, progress })
+    // Without a sky nobody asks where rays go that leave.
+    let sky = !scene.environment.is_black();
+    with_transport_to(scene, f64::INFINITY, sky, Renderer { scene, run, cancel, progress })
 }
 
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
 fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
-    with_transport_to(scene, f64::INFINITY, errand)
+    with_transport_to(scene, f64::INFINITY, true, errand)
 }
 
-/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not.
-fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Output {
+/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not, and
+/// leaving ones to infinity only for a `sky`.
+fn with_transport_to<E: Errand>(scene: &Baked, core: f64, sky: bool, errand: E) -> E::Output {
     let settings = &scene.settings;
     let (center, r_s) = match scene.spacetime {
         SpacetimeKind::Flat => return errand.run(&Straight::new(scene.geometry.bounds())),
@@ -137,7 +138,7 @@ fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Outpu
     };
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    let place = Place { medium, center, chart: Chart::new(&medium, nearest.min(core), farthest) };
+    let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest.min(core), farthest) };
     match settings.precision {
         Precision::F32 => place.run::<f32, E>(scene, errand),
         Precision::F64 => place.run::<f64, E>(scene, errand),
@@ -148,6 +149,8 @@ fn with_transport_to<E: Errand>(scene: &Baked, core: f64, errand: E) -> E::Outpu
 struct Place<M> {
     medium: M,
     center: DVec3,
+    /// Whether it matters where rays go that leave.
+    sky: bool,
     chart: Chart,
 }
 
@@ -169,12 +172,18 @@ impl<M: ConformallyFlat + 'static> Place<M> {
         let outer = R::of(self.chart.outer);
         Some(Curved {
             medium: self.medium,
-            march: march::march(self.medium, scene.settings.stepper, control, outer)?,
+            march: march(self.medium, scene.settings.stepper, control, outer)?,
             control,
+            tolerance: scene.settings.tolerance,
             arc_tolerance,
             center: self.center,
+            sky: self.sky,
             chart: self.chart,
-            longest_sagitta: (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent()),
+            longest_sagitta: if scene.geometry.is_few::<Arc>() {
+                f64::INFINITY
+            } else {
+                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
+            },
             longest_chord: CHORD * low.distance(high),
             bounds: (low, high),
         })
@@ -254,7 +263,9 @@ impl Renderer<'_> {
             illumination.learn(job, transport);
         }
         job.illumination = illumination;
-        self.passes(job, transport, tiles, wanted, started)
+        let learning = started.elapsed().as_secs_f64();
+        let (counters, times, threads) = self.passes(job, transport, tiles, wanted, started);
+        (counters, StageTimes { learning, ..times }, threads)
     }
 
     /// All passes over all tiles.

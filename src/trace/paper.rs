@@ -4,10 +4,11 @@
 
 use glam::DVec3;
 
-use super::columns::columns;
-use super::transport::{Found, Landing, Outcome, Transport};
+use super::transport::{Advancing, Found, Landing, Outcome, Transport};
 use crate::geodesic::{Control, End, Launch, PaperRk4, Phase, Rkn6, follow};
-use crate::geometry::{Geometry, Line, PrimitiveId};
+use crate::geometry::{Geometry, Line, Need, PrimitiveId, Query};
+use crate::math::columns::{Row, columns};
+use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{Chart, ConformallyFlat, Fate, Schwarzschild};
 
 /// First step \[J\].
@@ -78,10 +79,28 @@ impl PaperMarch {
     }
 }
 
+/// How moves are searched.
+struct Asking {
+    center: DVec3,
+}
+
+impl Kernel for Asking {
+    type A = PaperFlight;
+    type B = PaperMove;
+    type Out = Query<Line>;
+
+    #[inline(always)]
+    fn run(&self, flight: &PaperFlight, step: &PaperMove) -> Query<Line> {
+        let segment = Line { p0: flight.position + self.center, p2: step.ahead + self.center };
+        Query { segment, leaves: flight.leaves, need: Need::Whole }
+    }
+}
+
 impl Transport for PaperMarch {
     type Flight = PaperFlight;
     type Move = PaperMove;
     type Segment = Line;
+    type Scratch = ();
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
         let x = position - self.center;
@@ -99,6 +118,19 @@ impl Transport for PaperMarch {
         let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
         let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
         PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
+    }
+
+    fn advance_all(&self, flights: &[<PaperFlight as Row>::Block], moves: &mut [<PaperMove as Row>::Block]) {
+        map(&Advancing(self), flights, NOTHING, moves);
+    }
+
+    fn queries_all(
+        &self,
+        flights: &[<PaperFlight as Row>::Block],
+        moves: &[<PaperMove as Row>::Block],
+        queries: &mut [<Query<Line> as Row>::Block],
+    ) {
+        map(&Asking { center: self.center }, flights, moves, queries);
     }
 
     #[inline(always)]

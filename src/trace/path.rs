@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::columns::columns;
+use crate::math::columns::{columns, plain_field};
 use crate::shade::Media;
 
 /// Which light a path gathers.
@@ -16,6 +16,8 @@ pub enum Gathers {
     /// All but that; all, once it has scattered.
     Beyond,
 }
+
+plain_field!(Media, Gathers);
 
 columns! {
     /// A camera path under way.

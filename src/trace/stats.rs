@@ -36,23 +36,49 @@ pub struct Counters {
     pub fates: Fates,
 }
 
-/// Seconds that worker threads spent in each stage, added over threads; wavefront schedule only.
+/// What a stage did, and how long worker threads took for it, added over threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Stage {
+    /// Thread time, seconds.
+    pub seconds: f64,
+    /// Rays handled, or paths: a ray counts once in every round in which the stage handles it.
+    pub items: u64,
+}
+
+/// How full the vectors were, added over rounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Occupancy {
+    /// Rounds.
+    pub rounds: u64,
+    /// Lanes in use.
+    pub live: u64,
+    /// Lanes there are.
+    pub lanes: u64,
+    /// Lanes of the blocks in use.
+    pub blocks: u64,
+}
+
+/// What each stage did, and how full the vectors were; all but `learning` in the wavefront schedule only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageTimes {
+    /// What light sampling learns before the first camera ray, wall time, seconds.
+    pub learning: f64,
     /// Camera rays.
-    pub generate: f64,
+    pub generate: Stage,
     /// Integration steps and arcs.
-    pub advance: f64,
+    pub advance: Stage,
     /// Searching the scene.
-    pub intersect: f64,
+    pub intersect: Stage,
     /// Deciding each ray's outcome, polishing hits.
-    pub settle: f64,
+    pub settle: Stage,
     /// Light from infinity.
-    pub escape: f64,
+    pub escape: Stage,
     /// Emission, roulette and scattering.
-    pub scatter: f64,
+    pub scatter: Stage,
     /// Results to the tile, freeing lanes.
-    pub film: f64,
+    pub film: Stage,
+    /// Lanes over rounds.
+    pub occupancy: Occupancy,
 }
 
 /// Counts and times of one render.
@@ -75,7 +101,7 @@ pub struct Stats {
     pub queries_per_ray: f64,
     /// March steps per ray.
     pub steps_per_ray: f64,
-    /// Thread seconds by stage.
+    /// The stages of the wavefront.
     pub stages: StageTimes,
     /// Largest resident memory of the process so far, bytes; absent where the system does not say.
     pub peak_memory_bytes: Option<u64>,
@@ -103,17 +129,58 @@ impl Counters {
     }
 }
 
+impl Stage {
+    fn add(&mut self, other: &Stage) {
+        self.seconds += other.seconds;
+        self.items += other.items;
+    }
+}
+
+impl Occupancy {
+    /// Counts a round in which `live` of `lanes` lanes are in use, which blocks of `block` hold.
+    pub fn count(&mut self, live: usize, lanes: usize, block: usize) {
+        self.rounds += 1;
+        self.live += live as u64;
+        self.lanes += lanes as u64;
+        self.blocks += live.next_multiple_of(block) as u64;
+    }
+
+    /// Share of the lanes that are in use; `None` without rounds.
+    pub fn share(&self) -> Option<f64> {
+        (self.rounds > 0).then(|| self.live as f64 / self.lanes as f64)
+    }
+}
+
 impl StageTimes {
     /// Adds another worker's times.
     pub fn add(&mut self, other: &StageTimes) {
-        let StageTimes { generate, advance, intersect, settle, escape, scatter, film } = other;
-        self.generate += generate;
-        self.advance += advance;
-        self.intersect += intersect;
-        self.settle += settle;
-        self.escape += escape;
-        self.scatter += scatter;
-        self.film += film;
+        let StageTimes { learning, generate, advance, intersect, settle, escape, scatter, film, occupancy } =
+            other;
+        self.learning += learning;
+        self.generate.add(generate);
+        self.advance.add(advance);
+        self.intersect.add(intersect);
+        self.settle.add(settle);
+        self.escape.add(escape);
+        self.scatter.add(scatter);
+        self.film.add(film);
+        self.occupancy.rounds += occupancy.rounds;
+        self.occupancy.live += occupancy.live;
+        self.occupancy.lanes += occupancy.lanes;
+        self.occupancy.blocks += occupancy.blocks;
+    }
+
+    /// The stages by name, in the order of a round.
+    pub fn named(&self) -> [(&'static str, Stage); 7] {
+        [
+            ("generate", self.generate),
+            ("advance", self.advance),
+            ("intersect", self.intersect),
+            ("settle", self.settle),
+            ("escape", self.escape),
+            ("scatter", self.scatter),
+            ("film", self.film),
+        ]
     }
 }
 
@@ -154,10 +221,10 @@ impl Lap {
         Self(Instant::now())
     }
 
-    /// Adds the time since the last lap to `stage`.
-    pub fn end(&mut self, stage: &mut f64) {
+    /// Adds the time since the last lap, in which `items` were handled, to `stage`.
+    pub fn end(&mut self, stage: &mut Stage, items: usize) {
         let now = Instant::now();
-        *stage += (now - self.0).as_secs_f64();
+        stage.add(&Stage { seconds: (now - self.0).as_secs_f64(), items: items as u64 });
         self.0 = now;
     }
 }

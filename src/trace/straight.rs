@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
-use super::columns::columns;
-use super::transport::{Found, Landing, Outcome, Transport};
-use crate::geometry::{Geometry, Line, PrimitiveId};
+use super::transport::{Advancing, Found, Landing, Outcome, Transport};
+use crate::geometry::{Geometry, Line, Need, PrimitiveId, Query};
+use crate::math::columns::{Row, columns};
+use crate::math::kernel::{Kernel, NOTHING, map};
 
 /// Rays of flat space, followed to where they leave the scene's bounds.
 pub struct Straight {
@@ -43,11 +44,28 @@ impl Straight {
     }
 }
 
+/// How moves are searched.
+struct Asking;
+
+impl Kernel for Asking {
+    type A = StraightFlight;
+    type B = StraightMove;
+    type Out = Query<Line>;
+
+    #[inline(always)]
+    fn run(&self, flight: &StraightFlight, step: &StraightMove) -> Query<Line> {
+        let need = if step.end == flight.position { Need::Nothing } else { Need::Whole };
+        Query { segment: Line { p0: flight.position, p2: step.end }, leaves: flight.leaves, need }
+    }
+}
+
 impl Transport for Straight {
     type Flight = StraightFlight;
     type Move = StraightMove;
     type Segment = Line;
+    type Scratch = ();
 
+    #[inline(always)]
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
         StraightFlight { position, direction, leaves }
     }
@@ -63,6 +81,23 @@ impl Transport for Straight {
         StraightMove {
             end: if inside { flight.position + leave * flight.direction } else { flight.position },
         }
+    }
+
+    fn advance_all(
+        &self,
+        flights: &[<StraightFlight as Row>::Block],
+        moves: &mut [<StraightMove as Row>::Block],
+    ) {
+        map(&Advancing(self), flights, NOTHING, moves);
+    }
+
+    fn queries_all(
+        &self,
+        flights: &[<StraightFlight as Row>::Block],
+        moves: &[<StraightMove as Row>::Block],
+        queries: &mut [<Query<Line> as Row>::Block],
+    ) {
+        map(&Asking, flights, moves, queries);
     }
 
     #[inline(always)]

@@ -30,7 +30,7 @@ const MOST_POINTS: f64 = 48.0;
 pub fn trails(scene: &Baked, rays: &[Ray]) -> Vec<Trail> {
     // Steps of the paper's length jump over the horizon.
     let core = if scene.settings.stepper == StepperKind::Rk4Paper { f64::INFINITY } else { 0.0 };
-    with_transport_to(scene, core, Trailing { geometry: &scene.geometry, rays })
+    with_transport_to(scene, core, true, Trailing { geometry: &scene.geometry, rays })
 }
 
 struct Trailing<'a> {

@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 
-use super::columns::Row;
-use super::stages::advance::{Own, advance_blocks};
-use crate::geometry::{Geometry, PrimitiveId, Segment};
+use crate::geometry::{Geometry, PrimitiveId, Query, SideBySide};
+use crate::math::columns::{Columns, Row};
+use crate::math::kernel::Kernel;
 
 /// Where and how a ray arrives at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,29 +46,61 @@ pub enum Outcome<Flight> {
     NonFinite,
 }
 
+/// Where a ray starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Lane of the ray.
+    pub lane: usize,
+    /// World position.
+    pub position: DVec3,
+    /// Unit direction in the static frame.
+    pub direction: DVec3,
+    /// The primitive it lies on.
+    pub leaves: PrimitiveId,
+}
+
+/// Rays of a wavefront after a move.
+pub struct Moved<'a, T: Transport> {
+    /// What the rays move among.
+    pub geometry: &'a Geometry,
+    /// The rays as they were before; those that fly on are to be moved.
+    pub flights: &'a mut Columns<T::Flight>,
+    /// Their moves.
+    pub moves: &'a Columns<T::Move>,
+    /// What they meet.
+    pub found: &'a [Option<Found>],
+    /// Whether it matters where exactly a ray lands; else a landing may be on what was searched.
+    pub exactly: &'a [bool],
+}
+
 /// A way for rays to move.
+///
+/// Methods named after another with `_all` do the same for many rays, bit for bit.
 pub trait Transport: Sync + Sized {
     /// A ray in flight.
     type Flight: Row;
     /// One move of a ray.
     type Move: Row;
     /// What the scene is searched along.
-    type Segment: Segment;
+    type Segment: SideBySide;
+    /// Memory that a wavefront keeps from round to round.
+    type Scratch: Default + Send;
 
     /// A ray that starts at `position` (world) in the unit `direction`, on the primitive `leaves`.
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Self::Flight;
 
+    /// Launches rays into their lanes.
+    fn launch_all(&self, starts: &[Start], flights: &mut Columns<Self::Flight>, _: &mut Self::Scratch) {
+        for start in starts {
+            flights.set(start.lane, self.launch(start.position, start.direction, start.leaves));
+        }
+    }
+
     /// The next move of a ray; touches nothing but the ray.
     fn advance(&self, flight: &Self::Flight) -> Self::Move;
 
-    /// The next moves of blocks of rays, bit for bit those of [`Self::advance`].
-    fn advance_blocks(
-        &self,
-        flights: &[<Self::Flight as Row>::Block],
-        moves: &mut [<Self::Move as Row>::Block],
-    ) {
-        advance_blocks(&Own(self), flights, moves);
-    }
+    /// The next moves of blocks of rays.
+    fn advance_all(&self, flights: &[<Self::Flight as Row>::Block], moves: &mut [<Self::Move as Row>::Block]);
 
     /// The pieces of a move to be searched in turn, none if nothing can be met: calls `search` until it finds
     /// something. `search` takes a piece and the primitive that the piece starts on.
@@ -78,6 +110,14 @@ pub trait Transport: Sync + Sized {
         step: &Self::Move,
         search: impl FnMut(&Self::Segment, PrimitiveId) -> Option<Found>,
     ) -> Option<Found>;
+
+    /// Blocks of moves as they are to be searched where primitives are few.
+    fn queries_all(
+        &self,
+        flights: &[<Self::Flight as Row>::Block],
+        moves: &[<Self::Move as Row>::Block],
+        queries: &mut [<Query<Self::Segment> as Row>::Block],
+    );
 
     /// What becomes of the ray, given what the search found; without `geometry` a landing is on what was searched rather
     /// than on the ray itself.
@@ -89,11 +129,41 @@ pub trait Transport: Sync + Sized {
         found: Option<Found>,
     ) -> Outcome<Self::Flight>;
 
+    /// Moves all rays that fly on, and tells `end` of the others, by lane.
+    fn settle_all(
+        &self,
+        moved: Moved<Self>,
+        _: &mut Self::Scratch,
+        mut end: impl FnMut(usize, Outcome<Self::Flight>),
+    ) {
+        let Moved { geometry, flights, moves, found, exactly } = moved;
+        for (lane, (&found, &exactly)) in found.iter().zip(exactly).enumerate() {
+            match self.settle(exactly.then_some(geometry), &flights.get(lane), &moves.get(lane), found) {
+                Outcome::Flying(next) => flights.set(lane, next),
+                outcome => end(lane, outcome),
+            }
+        }
+    }
+
     /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Self::Segment>;
 
     /// Coordinate length of a move, up to `point` if given.
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
+}
+
+/// A transport as the kernel of its moves.
+pub struct Advancing<'a, T>(pub &'a T);
+
+impl<T: Transport> Kernel for Advancing<'_, T> {
+    type A = T::Flight;
+    type B = ();
+    type Out = T::Move;
+
+    #[inline(always)]
+    fn run(&self, flight: &T::Flight, (): &()) -> T::Move {
+        self.0.advance(flight)
+    }
 }
 
 /// Something to be done with whichever transport a scene calls for.

@@ -2,10 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::columns::columns;
 use crate::geometry::PrimitiveId;
 use crate::light::Target;
+use crate::math::columns::{columns, plain_field};
 use crate::shade::Media;
+
+plain_field!(Target);
 
 columns! {
     /// A surface that a path scattered at; only with light sampling.

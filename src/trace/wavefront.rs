@@ -4,7 +4,6 @@
 //! lane to a new camera path, and when none are left, to the last lane. What a lane computes depends on its path alone,
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
-use super::columns::Columns;
 use super::fate::Fate;
 use super::path::{Gathers, Path};
 use super::samples::Samples;
@@ -15,10 +14,11 @@ use super::stages::light::{self, Progress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
-use super::transport::{Found, Landing, Outcome, Transport};
+use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::{Job, Work};
-use crate::geometry::PrimitiveId;
+use crate::geometry::{FewSearch, Geometry, Need, PrimitiveId};
+use crate::math::columns::{Columns, LANES};
 use glam::DVec3;
 
 /// A worker's rays.
@@ -29,6 +29,10 @@ pub struct Wavefront<T: Transport> {
     /// Empty without light sampling.
     vertices: Columns<Vertex>,
     found: Vec<Option<Found>>,
+    /// Whether it matters where exactly a ray lands.
+    exactly: Vec<bool>,
+    few: FewSearch<T::Segment>,
+    scratch: T::Scratch,
     /// Lanes in use.
     live: usize,
     capacity: usize,
@@ -38,6 +42,8 @@ pub struct Wavefront<T: Transport> {
 /// What happened in a round, as lists of lanes.
 #[derive(Default)]
 struct Events {
+    /// Rays to be launched.
+    starts: Vec<Start>,
     landed: Vec<(usize, Landing)>,
     /// Light rays that ended, at their target or not.
     lit: Vec<(usize, bool)>,
@@ -59,6 +65,9 @@ impl<T: Transport> Wavefront<T> {
             paths: Columns::default(),
             vertices: Columns::default(),
             found: Vec::new(),
+            exactly: Vec::new(),
+            few: FewSearch::default(),
+            scratch: T::Scratch::default(),
             live: 0,
             capacity,
             events: Events::default(),
@@ -79,25 +88,33 @@ impl<T: Transport> Wavefront<T> {
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
+            let before = self.live;
             self.generate(job, transport, work, &mut next, counters);
-            lap.end(&mut times.generate);
+            lap.end(&mut times.generate, self.live - before);
             if self.live == 0 {
                 return;
             }
-            transport.advance_blocks(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
-            lap.end(&mut times.advance);
+            times.occupancy.count(self.live, self.found.len(), LANES);
+            transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
+            lap.end(&mut times.advance, self.live);
             self.intersect(job, transport, counters);
-            lap.end(&mut times.intersect);
+            lap.end(&mut times.intersect, self.live);
             self.settle(job, transport, samples, counters);
-            lap.end(&mut times.settle);
+            lap.end(&mut times.settle, self.live);
+            let Events { landed, lit, bent, gone, escaped, ended, .. } = &self.events;
+            let (lost, met) =
+                (escaped.len() + ended.len(), landed.len() + lit.len() + bent.len() + gone.len());
             self.escape(job, samples);
-            lap.end(&mut times.escape);
-            self.bend(job, transport);
-            self.gather(transport, counters);
-            self.shade(job, transport, samples, counters);
-            lap.end(&mut times.scatter);
+            lap.end(&mut times.escape, lost);
+            self.bend(job);
+            self.gather(counters);
+            self.shade(job, samples, counters);
+            transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
+            self.events.starts.clear();
+            lap.end(&mut times.scatter, met);
+            let finished = self.events.finished.len();
             self.film(samples);
-            lap.end(&mut times.film);
+            lap.end(&mut times.film, finished);
         }
     }
 
@@ -107,6 +124,7 @@ impl<T: Transport> Wavefront<T> {
         self.paths.resize(lanes);
         self.vertices.resize(if has_vertices { lanes } else { 0 });
         self.found.resize(lanes, None);
+        self.exactly.resize(lanes, true);
     }
 
     /// Fills free lanes with camera paths, from number `next` on.
@@ -117,45 +135,86 @@ impl<T: Transport> Wavefront<T> {
             if job.illumination.is_some() {
                 self.vertices.set(self.live, Vertex::default());
             }
-            self.flights.set(self.live, transport.launch(position, direction, PrimitiveId::NONE));
+            let (lane, leaves) = (self.live, PrimitiveId::NONE);
+            self.events.starts.push(Start { lane, position, direction, leaves });
             self.live += 1;
             *next += 1;
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
             counters.rays += 1;
         }
+        transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
+        self.events.starts.clear();
     }
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
+        let geometry = &job.scene.geometry;
+        if geometry.is_few::<T::Segment>() {
+            return self.intersect_few(geometry, transport, counters);
+        }
         for lane in 0..self.live {
             let (flight, step) = (self.flights.get(lane), self.moves.get(lane));
-            self.found[lane] = intersect(transport, &job.scene.geometry, &flight, &step, counters);
+            self.found[lane] = intersect(transport, geometry, &flight, &step, counters);
+        }
+    }
+
+    /// The same where primitives are few, lane beside lane.
+    fn intersect_few(&mut self, geometry: &Geometry, transport: &T, counters: &mut Counters) {
+        let Self { flights, moves, few, live, .. } = self;
+        few.queries.resize(*live);
+        let queries = few.queries.blocks_mut(*live);
+        transport.queries_all(flights.blocks(*live), moves.blocks(*live), queries);
+        geometry.search_few(few, *live);
+        for lane in 0..*live {
+            self.found[lane] = match few.need(lane) {
+                Need::Pieces => {
+                    intersect(transport, geometry, &flights.get(lane), &moves.get(lane), counters)
+                }
+                need => {
+                    counters.steps += 1;
+                    counters.queries += u64::from(need == Need::Whole);
+                    few.first(lane).map(|(point, primitive)| Found { point, primitive })
+                }
+            };
         }
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
     fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
-        let records_steps = samples.wanted().steps || samples.wanted().depth;
-        let events = &mut self.events;
-        for lane in 0..self.live {
-            let (flight, step, found) = (self.flights.get(lane), self.moves.get(lane), self.found[lane]);
-            let illumination = job.illumination.as_ref().filter(|_| self.vertices.get(lane).is_lit);
-            if records_steps {
-                let length = || transport.length(&flight, &step, found.map(|f| f.point));
-                record_step(&self.paths.get(lane), illumination.is_some(), length, samples);
+        self.record_steps(transport, samples);
+        let lit = |vertices: &Columns<Vertex>, lane: usize| {
+            job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
+        };
+        let Self { flights, moves, vertices, found, exactly, live, events, scratch, .. } = self;
+        let lit_lanes = if vertices.is_empty() { 0..0 } else { 0..*live };
+        for lane in lit_lanes {
+            exactly[lane] = true;
+            let Some(illumination) = lit(vertices, lane) else { continue };
+            let vertex = vertices.get(lane);
+            exactly[lane] = light::lands_exactly(&vertex);
+            let ray = (&flights.get(lane), &moves.get(lane), found[lane]);
+            if light::passes_its_light(illumination, transport, ray, &vertex) {
+                events.lit.push((lane, true));
             }
-            if let Some(illumination) = illumination {
-                let vertex = self.vertices.get(lane);
-                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
-                    Progress::Flying(next) => self.flights.set(lane, next),
+        }
+        let passed = events.lit.clone();
+        let fates = &mut counters.fates;
+        let geometry = &job.scene.geometry;
+        let (found, exactly) = (&found[..*live], &exactly[..*live]);
+        transport.settle_all(Moved { geometry, flights, moves, found, exactly }, scratch, |lane, outcome| {
+            if let Some(illumination) = lit(vertices, lane) {
+                if passed.binary_search(&(lane, true)).is_ok() {
+                    return;
+                }
+                match light::conclude(illumination, &vertices.get(lane), outcome) {
+                    Progress::Flying(_) => {}
                     Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
                     Progress::Landed(landing) => events.bent.push((lane, landing)),
                     Progress::Escaped(direction) => events.gone.push((lane, direction)),
                 }
-                continue;
+                return;
             }
-            let fates = &mut counters.fates;
-            match transport.settle(Some(&job.scene.geometry), &flight, &step, found) {
-                Outcome::Flying(next) => self.flights.set(lane, next),
+            match outcome {
+                Outcome::Flying(_) => {}
                 Outcome::Landed(landing) => {
                     fates.hit += 1;
                     events.landed.push((lane, landing));
@@ -177,6 +236,21 @@ impl<T: Transport> Wavefront<T> {
                     events.ended.push((lane, Fate::NonFinite));
                 }
             }
+        });
+    }
+
+    /// Records moves for the planes that want them.
+    fn record_steps(&self, transport: &T, samples: &mut Samples) {
+        if !(samples.wanted().steps || samples.wanted().depth) {
+            return;
+        }
+        for lane in 0..self.live {
+            let is_lit = !self.vertices.is_empty() && self.vertices.get(lane).is_lit;
+            let length = || {
+                let point = self.found[lane].map(|found| found.point);
+                transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
+            };
+            record_step(&self.paths.get(lane), is_lit, length, samples);
         }
     }
 
@@ -197,12 +271,13 @@ impl<T: Transport> Wavefront<T> {
     }
 
     /// Takes light rays through mirrors and glass.
-    fn bend(&mut self, job: &Job, transport: &T) {
+    fn bend(&mut self, job: &Job) {
         for (lane, landing) in self.events.bent.drain(..) {
             let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
             match light::bend(job, &mut path, &mut vertex, &landing) {
                 Some(direction) => {
-                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                    let Landing { position, primitive: leaves, .. } = landing;
+                    self.events.starts.push(Start { lane, position, direction, leaves });
                 }
                 None => self.events.lit.push((lane, false)),
             }
@@ -218,12 +293,13 @@ impl<T: Transport> Wavefront<T> {
     }
 
     /// Adds what light rays brought and launches the continuations of their paths in the same lanes.
-    fn gather(&mut self, transport: &T, counters: &mut Counters) {
+    fn gather(&mut self, counters: &mut Counters) {
         for (lane, is_reached) in self.events.lit.drain(..) {
             let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
             match gather(&mut path, &mut vertex, is_reached) {
                 Some(direction) => {
-                    self.flights.set(lane, transport.launch(vertex.position, direction, vertex.leaves));
+                    let Vertex { position, leaves, .. } = vertex;
+                    self.events.starts.push(Start { lane, position, direction, leaves });
                     counters.rays += 1;
                 }
                 None => self.events.finished.push(lane),
@@ -234,7 +310,7 @@ impl<T: Transport> Wavefront<T> {
     }
 
     /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
-    fn shade(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
+    fn shade(&mut self, job: &Job, samples: &mut Samples, counters: &mut Counters) {
         for (lane, landing) in self.events.landed.drain(..) {
             let mut path = self.paths.get(lane);
             let mut vertex = Vertex::default();
@@ -243,7 +319,8 @@ impl<T: Transport> Wavefront<T> {
             }
             match shade(job, &mut path, &mut vertex, &landing, samples) {
                 Some(direction) => {
-                    self.flights.set(lane, transport.launch(landing.position, direction, landing.primitive));
+                    let Landing { position, primitive: leaves, .. } = landing;
+                    self.events.starts.push(Start { lane, position, direction, leaves });
                     counters.count_ray(vertex.is_lit);
                 }
                 None => self.events.finished.push(lane),

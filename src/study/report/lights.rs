@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::ValueEnum;
 
-use super::{cell, markdown};
+use super::{cell, markdown, with_error};
 use crate::plot::{Axis, Chart, Figure, Series, Style};
 use crate::scene::{LightSampling, flag_name};
 use crate::study::estimate::Estimate;
@@ -54,19 +54,6 @@ pub fn table(ways: &[Way]) -> String {
 
 fn scientific(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2e}"))
-}
-
-/// `0.6703 ± 0.0052`: two digits of the error, or three of a value without one.
-fn with_error(estimate: Option<Estimate>) -> String {
-    let Some(Estimate { value, error }) = estimate else { return "–".to_owned() };
-    let decimals = |number: f64, digits: f64| (digits - 1.0 - number.abs().log10().floor()).clamp(0.0, 9.0);
-    match error {
-        Some(error) if error > 0.0 => {
-            let decimals = decimals(error, 2.0) as usize;
-            format!("{value:.decimals$} ± {error:.decimals$}")
-        }
-        _ => format!("{value:.0$}", decimals(value, 3.0) as usize),
-    }
 }
 
 /// Writes the measurements as rows; a cell without a value is empty.
@@ -131,19 +118,4 @@ pub fn figure(ways: &[Way]) -> Figure {
 /// The same for a way whatever others are drawn.
 fn style(way: LightSampling) -> Style {
     Style::nth(LightSampling::value_variants().iter().position(|&other| other == way).unwrap_or(0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_have_the_digits_that_their_errors_leave() {
-        let text = |value, error| with_error(Some(Estimate { value, error }));
-        assert_eq!(text(0.670_34, Some(0.005_21)), "0.6703 ± 0.0052");
-        assert_eq!(text(1234.5, Some(120.0)), "1234 ± 120");
-        assert_eq!(text(12.345, None), "12.3");
-        assert_eq!(text(1.0, Some(0.0)), "1.00");
-        assert_eq!(with_error(None), "–");
-    }
 }

@@ -1,9 +1,11 @@
 //! Measurements for people and papers: tables, CSV, diagrams.
 
+pub mod bench;
 pub mod ends;
 pub mod lights;
 pub mod scene;
 
+use super::estimate::Estimate;
 use super::pareto::front;
 use super::sweep::Spread;
 use crate::plot::{Color, Series, Style};
@@ -30,6 +32,19 @@ fn percent(share: f64) -> String {
 /// A cell of a CSV file, empty without a value.
 fn cell(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// `0.6703 ± 0.0052`: two digits of the error, or three of a value without one.
+fn with_error(estimate: Option<Estimate>) -> String {
+    let Some(Estimate { value, error }) = estimate else { return "–".to_owned() };
+    let decimals = |number: f64, digits: f64| (digits - 1.0 - number.abs().log10().floor()).clamp(0.0, 9.0);
+    match error {
+        Some(error) if error > 0.0 => {
+            let decimals = decimals(error, 2.0) as usize;
+            format!("{value:.decimals$} ± {error:.decimals$}")
+        }
+        _ => format!("{value:.0$}", decimals(value, 3.0) as usize),
+    }
 }
 
 /// What marks a row of a table.
@@ -108,4 +123,19 @@ fn position(known: &mut Vec<Curve>, curve: Curve) -> usize {
         known.push(curve);
         known.len() - 1
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_the_digits_that_their_errors_leave() {
+        let text = |value, error| with_error(Some(Estimate { value, error }));
+        assert_eq!(text(0.670_34, Some(0.005_21)), "0.6703 ± 0.0052");
+        assert_eq!(text(1234.5, Some(120.0)), "1234 ± 120");
+        assert_eq!(text(12.345, None), "12.3");
+        assert_eq!(text(1.0, Some(0.0)), "1.00");
+        assert_eq!(with_error(None), "–");
+    }
 }

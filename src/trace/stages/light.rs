@@ -96,16 +96,41 @@ pub fn settle<T: Transport>(
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
 ) -> Progress<T::Flight> {
-    let geometry = &job.scene.geometry;
-    let is_bent = vertex.target == Target::Bent;
-    if let Target::Point(index) = vertex.target {
-        let point = illumination.lights.point(index);
-        if point.is_some_and(|point| passes(transport, flight, step, found, point)) {
-            return Progress::Ended(true);
-        }
+    if passes_its_light(illumination, transport, (flight, step, found), vertex) {
+        return Progress::Ended(true);
     }
-    // Only where the ray goes on from does it matter where exactly it lands.
-    match transport.settle(is_bent.then_some(geometry), flight, step, found) {
+    let geometry = lands_exactly(vertex).then_some(&job.scene.geometry);
+    conclude(illumination, vertex, transport.settle(geometry, flight, step, found))
+}
+
+/// Whether it matters where exactly a light ray lands: where it goes on from there.
+#[inline]
+pub fn lands_exactly(vertex: &Vertex) -> bool {
+    vertex.target == Target::Bent
+}
+
+/// Whether a light ray passes the light without extent that it is aimed at.
+#[inline]
+pub fn passes_its_light<T: Transport>(
+    illumination: &Illumination,
+    transport: &T,
+    (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
+    vertex: &Vertex,
+) -> bool {
+    let Target::Point(index) = vertex.target else { return false };
+    let point = illumination.lights.point(index);
+    point.is_some_and(|point| passes(transport, flight, step, found, point))
+}
+
+/// What the outcome of a move means for a light ray.
+#[inline]
+pub fn conclude<Flight>(
+    illumination: &Illumination,
+    vertex: &Vertex,
+    outcome: Outcome<Flight>,
+) -> Progress<Flight> {
+    let is_bent = vertex.target == Target::Bent;
+    match outcome {
         Outcome::Flying(next) => Progress::Flying(next),
         Outcome::Landed(landing) if is_bent => Progress::Landed(landing),
         Outcome::Escaped(direction) if is_bent => Progress::Escaped(direction),

@@ -3,7 +3,7 @@
 //! | stage | reads | writes |
 //! |---|---|---|
 //! | [`generate`] | camera, film point | a path, a ray |
-//! | [`advance`] ([`Transport::advance`]) | ray | move |
+//! | advance ([`Transport::advance`]) | ray | move |
 //! | [`intersect`] | move, geometry | what is found |
 //! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
 //! | [`escape`] | direction at infinity, environment | radiance |
@@ -15,7 +15,6 @@
 //! [`Transport::advance`]: super::transport::Transport::advance
 //! [`Transport::settle`]: super::transport::Transport::settle
 
-pub mod advance;
 pub mod emit;
 pub mod escape;
 pub mod generate;

@@ -1,32 +1,41 @@
 //! The part of curved rays that depends on the method of integration: compiled once for each, behind one interface, so
 //! that everything else is compiled once.
 
-use super::columns::Row;
-use super::curved::{CurvedFlight, CurvedMove, Lane};
-use super::stages::advance::{Advance, advance_blocks};
-use super::steppers::{UseStepper, with_stepper};
+use super::super::steppers::{UseStepper, with_stepper};
+use super::polish::{Aim, Pose, Span};
+use super::{CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow};
+use crate::math::columns::Row;
+use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
 
 /// A stepper at work in a spacetime.
 pub trait March<R: Lane>: Send + Sync {
-    /// A first step length for a ray of impact parameter `b`.
-    fn first_step(&self, b: R, phase: &Phase<R>) -> R;
+    /// Order of the stepper's estimate.
+    fn order(&self) -> u32;
 
     /// The next move of a ray.
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R>;
 
     /// The next moves of blocks of rays.
-    fn advance_blocks(
+    fn advance_all(
         &self,
         flights: &[<CurvedFlight<R> as Row>::Block],
         moves: &mut [<CurvedMove<R> as Row>::Block],
     );
 
-    /// One step of length `h`.
-    fn step(&self, b: R, start: Phase<R>, h: R) -> Step<R>;
+    /// Where a part of a step leads.
+    fn pose(&self, span: &Span<R>, aim: &Aim) -> Pose<R>;
+
+    /// The same for blocks.
+    fn pose_all(
+        &self,
+        spans: &[<Span<R> as Row>::Block],
+        aims: &[<Aim as Row>::Block],
+        poses: &mut [<Pose<R> as Row>::Block],
+    );
 
     /// Follows a ray to infinity.
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R>;
@@ -73,12 +82,13 @@ struct Stepping<M, S, R> {
     stepper: S,
 }
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
-    type Flight = CurvedFlight<R>;
-    type Move = CurvedMove<R>;
+impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
+    type A = CurvedFlight<R>;
+    type B = ();
+    type Out = CurvedMove<R>;
 
     #[inline(always)]
-    fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
+    fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
         let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // What no search follows need not be followed closely.
@@ -103,25 +113,48 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Advance for Stepping<M, S, R> {
     }
 }
 
+/// Parts of steps.
+struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
+
+impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
+    type A = Span<R>;
+    type B = Aim;
+    type Out = Pose<R>;
+
+    #[inline(always)]
+    fn run(&self, span: &Span<R>, aim: &Aim) -> Pose<R> {
+        span.pose(&self.0.held.medium, &self.0.stepper, aim)
+    }
+}
+
 impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
-    fn first_step(&self, b: R, phase: &Phase<R>) -> R {
-        self.held.control.first_step::<M, S>(&self.held.medium, b, phase)
+    fn order(&self) -> u32 {
+        S::ESTIMATE.order
     }
 
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
-        Advance::advance(self, flight)
+        self.run(flight, &())
     }
 
-    fn advance_blocks(
+    fn advance_all(
         &self,
         flights: &[<CurvedFlight<R> as Row>::Block],
         moves: &mut [<CurvedMove<R> as Row>::Block],
     ) {
-        advance_blocks(self, flights, moves);
+        map(self, flights, NOTHING, moves);
     }
 
-    fn step(&self, b: R, start: Phase<R>, h: R) -> Step<R> {
-        Step::new(&self.held.medium, &self.stepper, b, start, h)
+    fn pose(&self, span: &Span<R>, aim: &Aim) -> Pose<R> {
+        Posing(self).run(span, aim)
+    }
+
+    fn pose_all(
+        &self,
+        spans: &[<Span<R> as Row>::Block],
+        aims: &[<Aim as Row>::Block],
+        poses: &mut [<Pose<R> as Row>::Block],
+    ) {
+        map(&Posing(self), spans, aims, poses);
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R> {

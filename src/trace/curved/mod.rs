@@ -1,14 +1,23 @@
 //! Curved rays: orbits stepped under error control, searched as arcs.
 
+mod launch;
+pub mod march;
+mod onward;
+mod polish;
+
 use glam::DVec3;
 
-use super::columns::{Field, Row, columns};
-use super::march::{March, keeps_outside};
-use super::transport::{Found, Landing, Outcome, Transport};
-use crate::geodesic::{Arc, Control, End, Launch, Phase, PlaneArc, Step};
-use crate::geometry::{Geometry, PrimitiveId};
+use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
+use crate::geodesic::{Arc, Control, End, Phase, PlaneArc};
+use crate::geometry::{Geometry, Need, PrimitiveId, Query};
+use crate::math::columns::{Columns, Field, Row, columns, plain_field};
+use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
+use launch::{Launching, Place};
+use march::{March, keeps_outside};
+use onward::{Onward, Turn};
+use polish::Polishing;
 
 /// A number that columns can hold.
 pub trait Lane: Real + Field<Block: Send> {}
@@ -25,19 +34,25 @@ pub struct Curved<M, R> {
     pub march: Box<dyn March<R>>,
     /// World position of its centre.
     pub center: DVec3,
+    /// Whether it matters where rays go that leave; else they are not followed there.
+    pub sky: bool,
     /// Where rays may stop.
     pub chart: Chart,
     /// What steps are held to.
     pub control: Control<R>,
+    /// Largest error of a ray's direction, radians.
+    pub tolerance: f64,
     /// Largest distance between an arc and the curve.
     pub arc_tolerance: f64,
-    /// Arcs with a larger sagitta are searched in halves: a thick chord meets too many boxes.
+    /// Arcs with a larger sagitta are searched in halves: a thick chord meets too many boxes. Infinite without boxes.
     pub longest_sagitta: f64,
     /// Longer arcs are searched in halves: beside them, the geometry would drown in their rounding.
     pub longest_chord: f64,
     /// World bounds of the geometry; arcs outside are not searched.
     pub bounds: (DVec3, DVec3),
 }
+
+plain_field!(Fate);
 
 columns! {
     /// A curved ray.
@@ -66,6 +81,8 @@ columns! {
         leaves: PrimitiveId,
         /// Steps so far, rejected ones included.
         steps: u32,
+        /// What became of it in the last of them.
+        turn: Turn,
     }
 }
 
@@ -97,8 +114,6 @@ columns! {
     }
 }
 
-/// Most steps of one ray: two orders of magnitude above what rays with several windings take.
-const MAX_STEPS: u32 = 10_000;
 /// Most times that an arc is halved because of its sagitta.
 const MOST_FOR_SAGITTA: u32 = 8;
 /// Most times that an arc is halved because of its length.
@@ -115,6 +130,11 @@ impl<R: Lane> CurvedFlight<R> {
         Phase { w: self.w, v: self.v, pull: self.pull }
     }
 
+    /// Unit direction of travel.
+    fn direction(&self) -> DVec3 {
+        self.place(-self.v, self.b * self.w).normalize()
+    }
+
     /// A vector in the orbit's plane, from components along the radius and across it.
     #[inline(always)]
     pub(super) fn place(&self, outwards: R, across: R) -> DVec3 {
@@ -123,11 +143,6 @@ impl<R: Lane> CurvedFlight<R> {
 }
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
-    /// The part `s` of a step.
-    pub(super) fn piece(&self, flight: &CurvedFlight<R>, s: f64) -> Step<R> {
-        self.march.step(flight.b, flight.phase(), R::of(s) * flight.h)
-    }
-
     /// The step's arc, in world coordinates.
     #[inline(always)]
     fn arc(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Arc {
@@ -138,6 +153,13 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             error: R::of(0.0),
         };
         plane.placed(flight.position + self.center, flight.radial, flight.along)
+    }
+
+    /// Whether a step can meet anything.
+    #[inline(always)]
+    fn is_searched(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> bool {
+        let end = Phase { w: step.w, v: step.v, pull: step.pull };
+        step.accepted & !keeps_outside(R::of(self.chart.outer), &flight.phase(), &end)
     }
 
     fn may_meet(&self, arc: &Arc) -> bool {
@@ -154,10 +176,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         if !self.may_meet(arc) {
             return None;
         }
-        let thick = halvings < MOST_FOR_SAGITTA && arc.sagitta() > self.longest_sagitta;
-        let length2 = arc.p0.distance_squared(arc.p2);
-        let long = halvings < MOST_FOR_LENGTH && length2 > self.longest_chord * self.longest_chord;
-        if thick || long {
+        if self.is_split(arc, halvings) {
             let (left, right) = arc.halves();
             let first = self.sweep(&left, leaves, halvings + 1, search);
             return first.or_else(|| self.sweep(&right, PrimitiveId::NONE, halvings + 1, search));
@@ -183,9 +202,21 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
     }
 
+    /// What becomes of a ray that met nothing, given its next state.
+    fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
+        match next.turn {
+            Turn::Flies => Outcome::Flying(*next),
+            Turn::Leaves if !self.sky => Outcome::Escaped(next.direction()),
+            Turn::Leaves => self.direction_at_infinity(next),
+            Turn::Falls => Outcome::Captured,
+            Turn::StepLimit => Outcome::StepLimit,
+            Turn::NonFinite => Outcome::NonFinite,
+        }
+    }
+
     /// The direction at infinity of a ray that meets nothing more.
-    fn direction_at_infinity(&self, flight: &CurvedFlight<R>, phase: Phase<R>) -> Outcome<CurvedFlight<R>> {
-        match self.march.to_infinity(flight.b, phase, flight.fate) {
+    fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
+        match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
             End::Crosses(_, swept) => {
                 let (sin, cos) = swept.value().sin_cos();
                 Outcome::Escaped((cos * flight.radial + sin * flight.along).normalize())
@@ -194,32 +225,90 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             End::Falls | End::Misses | End::NonFinite => Outcome::NonFinite,
         }
     }
+
+    /// Where a ray lands that meets what a search found: on the ray itself if a `geometry` is given.
+    fn landing(
+        &self,
+        geometry: Option<&Geometry>,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+        found: Found,
+    ) -> Landing {
+        if let Some(geometry) = geometry {
+            return self.polish(geometry, flight, step, found);
+        }
+        let Found { point: position, primitive } = found;
+        let arc = self.arc(flight, step);
+        let direction = arc.velocity(arc.parameter_beside(position)).normalize();
+        Landing { position, direction, primitive }
+    }
+
+    /// Whether an arc is to be searched in halves, after it has been halved so often.
+    #[inline(always)]
+    fn is_split(&self, arc: &Arc, halvings: u32) -> bool {
+        let length2 = arc.p0.distance_squared(arc.p2);
+        ((halvings < MOST_FOR_SAGITTA) & (arc.sagitta() > self.longest_sagitta))
+            | ((halvings < MOST_FOR_LENGTH) & (length2 > self.longest_chord * self.longest_chord))
+    }
+}
+
+/// How moves are searched.
+struct Asking<'a, M, R>(&'a Curved<M, R>);
+
+impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
+    type A = CurvedFlight<R>;
+    type B = CurvedMove<R>;
+    type Out = Query<Arc>;
+
+    #[inline(always)]
+    fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
+        let segment = self.0.arc(flight, step);
+        let whole = if self.0.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
+        let need = if self.0.is_searched(flight, step) { whole } else { Need::Nothing };
+        Query { segment, leaves: flight.leaves, need }
+    }
+}
+
+/// What a wavefront of curved rays keeps from round to round.
+pub struct Scratch<R: Lane> {
+    next: Columns<CurvedFlight<R>>,
+    starts: Columns<Place>,
+    launched: Columns<CurvedFlight<R>>,
+    polishing: Polishing<R>,
+}
+
+impl<R: Lane> Default for Scratch<R> {
+    fn default() -> Self {
+        Self {
+            next: Columns::default(),
+            starts: Columns::default(),
+            launched: Columns::default(),
+            polishing: Polishing::default(),
+        }
+    }
 }
 
 impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     type Flight = CurvedFlight<R>;
     type Move = CurvedMove<R>;
     type Segment = Arc;
+    type Scratch = Scratch<R>;
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> CurvedFlight<R> {
-        let position = position - self.center;
-        let Launch { radial, along, b, w, v, fate } =
-            Launch::new(&self.medium, position, direction, R::EPSILON);
-        let (b, phase) = (R::of(b), Phase::new(&self.medium, R::of(w), R::of(v)));
-        let h = self.march.first_step(b, &phase);
-        CurvedFlight {
-            position,
-            radial,
-            along,
-            b,
-            w: phase.w,
-            v: phase.v,
-            pull: phase.pull,
-            h: self.within(h, b, &phase),
-            error: R::of(1.0),
-            fate,
-            leaves,
-            steps: 0,
+        Launching::of(self).run(&Place { position, direction, leaves }, &())
+    }
+
+    fn launch_all(&self, starts: &[Start], flights: &mut Columns<CurvedFlight<R>>, scratch: &mut Scratch<R>) {
+        let Scratch { starts: places, launched, .. } = scratch;
+        let lanes = starts.len();
+        places.gather(lanes, |i| {
+            let Start { position, direction, leaves, .. } = starts[i];
+            Place { position, direction, leaves }
+        });
+        launched.resize(lanes);
+        map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
+        for (i, start) in starts.iter().enumerate() {
+            flights.set(start.lane, launched.get(i));
         }
     }
 
@@ -227,12 +316,21 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         self.march.advance(flight)
     }
 
-    fn advance_blocks(
+    fn advance_all(
         &self,
         flights: &[<Self::Flight as Row>::Block],
         moves: &mut [<Self::Move as Row>::Block],
     ) {
-        self.march.advance_blocks(flights, moves);
+        self.march.advance_all(flights, moves);
+    }
+
+    fn queries_all(
+        &self,
+        flights: &[<Self::Flight as Row>::Block],
+        moves: &[<Self::Move as Row>::Block],
+        queries: &mut [<Query<Arc> as Row>::Block],
+    ) {
+        map(&Asking(self), flights, moves, queries);
     }
 
     #[inline(always)]
@@ -242,8 +340,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         step: &Self::Move,
         mut search: impl FnMut(&Arc, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
-        let end = Phase { w: step.w, v: step.v, pull: step.pull };
-        if !step.accepted || keeps_outside(R::of(self.chart.outer), &flight.phase(), &end) {
+        if !self.is_searched(flight, step) {
             return None;
         }
         self.sweep(&self.arc(flight, step), flight.leaves, 0, &mut search)
@@ -257,52 +354,42 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         step: &Self::Move,
         found: Option<Found>,
     ) -> Outcome<CurvedFlight<R>> {
-        if let Some(found) = found {
-            return Outcome::Landed(match geometry {
-                Some(geometry) => self.polish(geometry, flight, step, found),
-                None => {
-                    let Found { point: position, primitive } = found;
-                    let arc = self.arc(flight, step);
-                    let direction = arc.velocity(arc.parameter_beside(position)).normalize();
-                    Landing { position, direction, primitive }
+        match found {
+            Some(found) => Outcome::Landed(self.landing(geometry, flight, step, found)),
+            None => self.outcome(&Onward(self).run(flight, step)),
+        }
+    }
+
+    fn settle_all(
+        &self,
+        moved: Moved<Self>,
+        scratch: &mut Scratch<R>,
+        mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>),
+    ) {
+        let Moved { geometry, flights, moves, found, exactly } = moved;
+        let Scratch { next, polishing, .. } = scratch;
+        let lanes = found.len();
+        next.resize(lanes);
+        map(&Onward(self), flights.blocks(lanes), moves.blocks(lanes), next.blocks_mut(lanes));
+        polishing.clear();
+        for (lane, found) in found.iter().enumerate() {
+            let Some(found) = *found else {
+                if next.get(lane).turn != Turn::Flies {
+                    end(lane, self.outcome(&next.get(lane)));
                 }
-            });
-        }
-        let steps = flight.steps + 1;
-        if steps > MAX_STEPS {
-            return Outcome::StepLimit;
-        }
-        if !step.accepted {
-            // The next step must be finite and not vanish; a state lost for good is reported.
-            let shorter = CurvedFlight { h: step.next_h, steps, ..*flight };
-            let moves = step.next_h.value() > f64::from(f32::MIN_POSITIVE);
-            return if moves { Outcome::Flying(shorter) } else { Outcome::NonFinite };
-        }
-        // In f64, so that the vectors stay orthonormal.
-        let tangent = (flight.b * flight.h).value();
-        let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
-        let sin = tangent * cos;
-        let phase = Phase { w: step.w, v: step.v, pull: step.pull };
-        let next = CurvedFlight {
-            position: flight.position + flight.place(step.end_x, step.end_y),
-            radial: cos * flight.radial + sin * flight.along,
-            along: cos * flight.along - sin * flight.radial,
-            w: phase.w,
-            v: phase.v,
-            pull: phase.pull,
-            h: self.within(step.next_h, flight.b, &phase),
-            error: step.error,
-            leaves: PrimitiveId::NONE,
-            steps,
-            ..*flight
-        };
-        if self.chart.is_left(flight.fate, phase.w.value(), phase.v.value()) {
-            return match flight.fate {
-                Fate::Escapes => self.direction_at_infinity(&next, phase),
-                Fate::Falls => Outcome::Captured,
+                continue;
             };
+            if exactly[lane] {
+                polishing.push(lane, found);
+            } else {
+                let landing = self.landing(None, &flights.get(lane), &moves.get(lane), found);
+                end(lane, Outcome::Landed(landing));
+            }
         }
-        Outcome::Flying(next)
+        self.polish_all(geometry, flights, moves, polishing, |lane, landing| {
+            end(lane, Outcome::Landed(landing));
+        });
+        std::mem::swap(flights, next);
     }
 
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {

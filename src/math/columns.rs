@@ -6,12 +6,6 @@
 
 use glam::{DVec3, Vec3};
 
-use super::path::Gathers;
-use crate::geometry::PrimitiveId;
-use crate::light::Target;
-use crate::shade::Media;
-use crate::spacetime::Fate;
-
 /// Lanes of a block: a cache line of f64.
 pub const LANES: usize = 8;
 
@@ -25,22 +19,24 @@ pub trait Field: Copy + Default {
     fn set(block: &mut Self::Block, lane: usize, value: Self);
 }
 
+/// Makes types into fields that are stored whole.
 macro_rules! plain_field {
     ($($type:ty),*) => {$(
-        impl Field for $type {
-            type Block = [$type; LANES];
+        impl $crate::math::columns::Field for $type {
+            type Block = [$type; $crate::math::columns::LANES];
             #[inline(always)]
             fn get(block: &Self::Block, lane: usize) -> Self {
-                block[lane % LANES]
+                block[lane % $crate::math::columns::LANES]
             }
             #[inline(always)]
             fn set(block: &mut Self::Block, lane: usize, value: Self) {
-                block[lane % LANES] = value;
+                block[lane % $crate::math::columns::LANES] = value;
             }
         }
     )*};
 }
-plain_field!(f64, f32, u32, bool, Fate, PrimitiveId, Media, Target, Gathers);
+pub(crate) use plain_field;
+plain_field!(f64, f32, u32, bool);
 
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(
@@ -71,6 +67,17 @@ pub trait Row: Copy + Default {
     fn set(block: &mut Self::Block, lane: usize, row: Self);
 }
 
+/// Nothing, for kernels that need no second input.
+impl Row for () {
+    type Block = ();
+
+    #[inline(always)]
+    fn get((): &(), _: usize) -> Self {}
+
+    #[inline(always)]
+    fn set((): &mut (), _: usize, (): Self) {}
+}
+
 /// Rows of many lanes.
 pub struct Columns<R: Row> {
     blocks: Vec<R::Block>,
@@ -86,6 +93,12 @@ impl<R: Row> Columns<R> {
     /// Grows or shrinks to hold `lanes` lanes.
     pub fn resize(&mut self, lanes: usize) {
         self.blocks.resize(lanes.div_ceil(LANES), R::Block::default());
+    }
+
+    /// Takes `lanes` rows from elsewhere.
+    pub fn gather(&mut self, lanes: usize, row: impl Fn(usize) -> R) {
+        self.resize(lanes);
+        (0..lanes).for_each(|lane| self.set(lane, row(lane)));
     }
 
     /// Whether there are no lanes.
@@ -131,24 +144,24 @@ macro_rules! columns {
 
         #[doc = concat!("A block of columns of [`", stringify!($row), "`].")]
         #[derive(Clone, Copy, Default)]
-        pub struct $block $(<$real: $crate::trace::columns::Field>)? {
-            $($field: <$type as $crate::trace::columns::Field>::Block,)*
+        pub struct $block $(<$real: $crate::math::columns::Field>)? {
+            $($field: <$type as $crate::math::columns::Field>::Block,)*
         }
 
-        impl $(<$real: $crate::trace::columns::Field<Block: Send>>)? $crate::trace::columns::Row
+        impl $(<$real: $crate::math::columns::Field<Block: Send>>)? $crate::math::columns::Row
             for $row $(<$real>)?
         {
             type Block = $block $(<$real>)?;
 
             #[inline(always)]
             fn get(block: &Self::Block, lane: usize) -> Self {
-                use $crate::trace::columns::Field;
+                use $crate::math::columns::Field;
                 $row { $($field: Field::get(&block.$field, lane),)* }
             }
 
             #[inline(always)]
             fn set(block: &mut Self::Block, lane: usize, row: Self) {
-                use $crate::trace::columns::Field;
+                use $crate::math::columns::Field;
                 let $row { $($field,)* } = row;
                 $(Field::set(&mut block.$field, lane, $field);)*
             }

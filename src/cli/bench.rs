@@ -1,0 +1,116 @@
+//! `warpfront bench`.
+
+use std::io::Write;
+
+use super::args::distinct;
+use super::bench_args::BenchArgs;
+use super::failure::Failure;
+use super::interrupt::Interrupt;
+use super::prefixed::{Files, names, with_suffix};
+use super::progress::Bar;
+use super::units::plural;
+use super::{Outcome, print, say};
+use crate::film::atomic::Output;
+use crate::plot::Figure;
+use crate::scene::{self, Baked, SpacetimeKind};
+use crate::study::bench::{Contender, Plan, Point, Race, Refusal, Vary, race};
+use crate::study::report::bench::{Record, growth, race as single, write_csv};
+use crate::trace::Progress;
+
+/// Races the wavefront against its baselines, prints what was found, and writes it if asked to.
+pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
+    let _ends_the_process = Interrupt::install();
+    args.check()?;
+    let outputs = args.output.as_deref().map(|prefix| -> Result<_, Failure> {
+        Ok((Files::open(prefix)?, Output::create(&with_suffix(prefix, "json"))?))
+    });
+    let outputs = outputs.transpose()?;
+    let (path, changes) = (&args.scene.path, &args.scene.changes);
+    let mut scene = scene::load_with_hole(path, &changes.overrides, changes.black_hole)?;
+    for warning in &scene.warnings {
+        say(format!("warning: {warning}"));
+    }
+    args.apply(&mut scene.settings);
+    let (scenes, plan) = plan(args, scene)?;
+
+    let bar = Bar::new("renders");
+    let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
+    let measured = race(scenes, &plan, &progress);
+    bar.finish();
+    let races = measured?;
+    print(&format!("{}\n\n{}", conditions(args, &plan, &races), table(args, &races)))?;
+    if let (Some((files, json)), Some(prefix)) = (outputs, &args.output) {
+        let name = path.display().to_string();
+        let record = Record::new(&name, args.sweep, &races);
+        json.commit(|out| {
+            serde_json::to_writer_pretty(&mut *out, &record)?;
+            out.write_all(b"\n")
+        })?;
+        files.write(|out| write_csv(args.sweep, &races, out), &figure(args, &races))?;
+        say(format!("wrote {}, {}", names(prefix), with_suffix(prefix, "json").display()));
+    }
+    Ok(Outcome::Good)
+}
+
+/// Who races where.
+fn plan(args: &BenchArgs, scene: Baked) -> Result<(Vec<Baked>, Plan), Failure> {
+    let contenders = [&[Contender::Wavefront][..], &distinct(&args.baseline)].concat();
+    if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())
+        && scene.spacetime == SpacetimeKind::Flat
+    {
+        let message = format!("--baseline {} needs a hole, and the scene is flat", contender.name());
+        return Err(Failure::new(message).help("give a scene with a hole, or --black-hole"));
+    }
+    let base = Point::of(&scene, &args.run());
+    let (scenes, points) = match args.sweep {
+        Some(sweep) => sweep.points(&args.values, &base, scene)?,
+        None => (vec![scene], vec![base]),
+    };
+    Ok((scenes, Plan { contenders, points, rounds: args.rounds }))
+}
+
+/// What was raced, and how, but for what is swept.
+fn conditions(args: &BenchArgs, plan: &Plan, races: &[Race]) -> String {
+    let Point { settings, batch, .. } = &plan.points[0];
+    let threads = races[0].runs[0].rounds[0].threads;
+    let parts = [
+        (Vary::Pixels, format!("{}x{} pixels", settings.width, settings.height)),
+        (Vary::Spp, format!("{} spp", settings.spp)),
+        (Vary::Threads, plural(threads, "thread", "threads")),
+        (Vary::Batch, format!("batches of {batch}")),
+    ];
+    let parts: Vec<String> =
+        parts.into_iter().filter(|(what, _)| args.sweep != Some(*what)).map(|(_, part)| part).collect();
+    let names: Vec<String> = plan.contenders.iter().map(|contender| contender.name()).collect();
+    let room = match args.sweep {
+        Some(Vary::Triangles) => " (camera and hole, in a room built for this)",
+        _ => "",
+    };
+    format!(
+        "{}{room}: {}; {} after one render each to warm up, all in turn: {}",
+        args.scene.path.display(),
+        parts.join(", "),
+        plural(plan.rounds as usize, "round", "rounds"),
+        names.join(", ")
+    )
+}
+
+fn table(args: &BenchArgs, races: &[Race]) -> String {
+    match args.sweep {
+        Some(sweep) => growth::table(sweep, races),
+        None => races.iter().map(single::table).collect(),
+    }
+}
+
+fn figure(args: &BenchArgs, races: &[Race]) -> Figure {
+    match args.sweep {
+        Some(sweep) => growth::figure(sweep, races),
+        None => single::figure(&races[0]),
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Self {
+        Self::new(refusal.cause).help(refusal.remedy)
+    }
+}

@@ -1,0 +1,340 @@
+//! Scenes of few primitives: no hierarchy, each primitive is tested against blocks of segments, lane beside lane.
+//!
+//! Planes and lines give their crossing at once. Where an arc may cross a sphere is decided side by side, too, by the
+//! signs of a polynomial; the few that may are queued, and their roots are found in full blocks.
+
+use glam::DVec3;
+
+use super::scene::Item;
+use super::sphere::FromStart;
+use super::{Geometry, Line, PrimitiveId, Segment, Sphere};
+use crate::geodesic::Arc;
+use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
+use crate::math::columns::{Columns, LANES, Row, plain_field};
+use crate::math::kernel::widest;
+
+/// What is not a number meets nothing.
+const NOWHERE: DVec3 = DVec3::NAN;
+
+/// How a move is to be searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Need {
+    /// Not at all: it meets nothing.
+    #[default]
+    Nothing,
+    /// As a whole.
+    Whole,
+    /// In pieces.
+    Pieces,
+}
+
+plain_field!(Need);
+
+/// A segment to be searched.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Query<S> {
+    /// The segment, world coordinates.
+    pub segment: S,
+    /// What it starts on.
+    pub leaves: PrimitiveId,
+    /// How it is to be searched.
+    pub need: Need,
+}
+
+/// A block of [`Query`].
+#[derive(Clone, Copy, Default)]
+pub struct QueryBlock<B> {
+    segment: B,
+    leaves: [PrimitiveId; LANES],
+    need: [Need; LANES],
+}
+
+impl<S: Row> Row for Query<S> {
+    type Block = QueryBlock<S::Block>;
+
+    #[inline(always)]
+    fn get(block: &Self::Block, lane: usize) -> Self {
+        let lane = lane % LANES;
+        Query { segment: S::get(&block.segment, lane), leaves: block.leaves[lane], need: block.need[lane] }
+    }
+
+    #[inline(always)]
+    fn set(block: &mut Self::Block, lane: usize, row: Self) {
+        let lane = lane % LANES;
+        S::set(&mut block.segment, lane, row.segment);
+        (block.leaves[lane], block.need[lane]) = (row.leaves, row.need);
+    }
+}
+
+/// First crossings of the segments of a block.
+#[derive(Clone, Copy, Debug)]
+struct Crossings {
+    /// Parameters; infinite where there is none.
+    s: [f64; LANES],
+    /// What is crossed.
+    slot: [u32; LANES],
+}
+
+/// A segment that may cross a sphere once: where, and what changes its sign there.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    lane: u32,
+    slot: u32,
+    along: [f64; 5],
+}
+
+/// Segments to be searched and what they meet first. Its memory is used again from round to round.
+pub struct FewSearch<S: Row> {
+    /// What to search.
+    pub queries: Columns<Query<S>>,
+    best: Vec<Crossings>,
+    pending: Vec<Pending>,
+}
+
+impl<S: Row> Default for FewSearch<S> {
+    fn default() -> Self {
+        Self { queries: Columns::default(), best: Vec::new(), pending: Vec::new() }
+    }
+}
+
+impl<S: Row> FewSearch<S> {
+    /// How a lane was to be searched.
+    #[inline(always)]
+    pub fn need(&self, lane: usize) -> Need {
+        self.queries.blocks(lane + 1)[lane / LANES].need[lane % LANES]
+    }
+}
+
+impl<S: SideBySide> FewSearch<S> {
+    /// World position and primitive of the first crossing of a lane's segment.
+    #[inline(always)]
+    pub fn first(&self, lane: usize) -> Option<(DVec3, PrimitiveId)> {
+        let block = &self.best[lane / LANES];
+        let (s, item) = (block.s[lane % LANES], block.slot[lane % LANES]);
+        let is_met = s < f64::INFINITY;
+        is_met.then(|| (self.queries.get(lane).segment.point(s), PrimitiveId { item, triangle: 0 }))
+    }
+}
+
+/// A segment whose crossings of spheres are found side by side.
+pub trait SideBySide: Segment + Row {
+    /// Up to this many primitives are tested side by side: beyond, a hierarchy is faster.
+    const FEW: usize;
+
+    /// What is the same for all spheres.
+    type Prepared: Row;
+
+    /// The segment, prepared.
+    fn prepared(&self) -> Self::Prepared;
+
+    /// Crossings of `sphere`, by lane: `found` at once, or `pending` a search for a root. `own` has the slot that the
+    /// segment of each lane starts on, and that of the sphere.
+    fn cross_spheres(
+        segments: &<Self::Prepared as Row>::Block,
+        sphere: Sphere,
+        own: (&[u64; LANES], u64),
+        found: impl FnMut(usize, f64),
+        pending: impl FnMut(usize, [f64; 5]),
+    );
+}
+
+impl SideBySide for Line {
+    const FEW: usize = 16;
+    type Prepared = Line;
+
+    #[inline(always)]
+    fn prepared(&self) -> Line {
+        *self
+    }
+
+    #[inline(always)]
+    fn cross_spheres(
+        lines: &<Line as Row>::Block,
+        sphere: Sphere,
+        (own, slot): (&[u64; LANES], u64),
+        mut found: impl FnMut(usize, f64),
+        _: impl FnMut(usize, [f64; 5]),
+    ) {
+        let mut s = [0.0; LANES];
+        for lane in 0..LANES {
+            s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == slot);
+        }
+        (0..LANES).for_each(|lane| found(lane, s[lane]));
+    }
+}
+
+impl SideBySide for Arc {
+    const FEW: usize = 12;
+    type Prepared = FromStart;
+
+    #[inline(always)]
+    fn prepared(&self) -> FromStart {
+        FromStart::of(self)
+    }
+
+    #[inline(always)]
+    fn cross_spheres(
+        arcs: &<FromStart as Row>::Block,
+        sphere: Sphere,
+        (own, slot): (&[u64; LANES], u64),
+        mut found: impl FnMut(usize, f64),
+        mut pending: impl FnMut(usize, [f64; 5]),
+    ) {
+        // Most blocks have no segment that starts on the sphere.
+        let (along, may) = match own.contains(&slot) {
+            true => screen(arcs, &sphere, |lane| own[lane] == slot),
+            false => screen(arcs, &sphere, |_| false),
+        };
+        let mut left = may;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let c = std::array::from_fn(|k| along[k][lane]);
+            if variations(&c) == 1 {
+                pending(lane, c);
+            } else if let Some(s) = first_sign_change(c) {
+                found(lane, s);
+            }
+        }
+    }
+}
+
+/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and a mask of the lanes
+/// where they have not all the same sign.
+#[inline(always)]
+fn screen(
+    arcs: &<FromStart as Row>::Block,
+    sphere: &Sphere,
+    leaves: impl Fn(usize) -> bool,
+) -> ([[f64; LANES]; 5], u64) {
+    let (mut along, mut may) = ([[0.0; LANES]; 5], 0);
+    let (center, radius2) = (sphere.center, sphere.radius * sphere.radius);
+    for lane in 0..LANES {
+        let c = FromStart::get(arcs, lane).along(center, radius2, leaves(lane));
+        let (mut least, mut most) = (c[0], c[0]);
+        for k in 0..5 {
+            along[k][lane] = c[k];
+            least = if c[k] < least { c[k] } else { least };
+            most = if c[k] > most { c[k] } else { most };
+        }
+        may |= u64::from((least < 0.0) & (most >= 0.0)) << lane;
+    }
+    (along, may)
+}
+
+impl Geometry {
+    /// Whether segments of this kind are tested against all primitives side by side.
+    pub fn is_few<S: SideBySide>(&self) -> bool {
+        self.items.len() <= S::FEW && !self.items.iter().any(|item| matches!(item, Item::Instance(_)))
+    }
+
+    /// Searches the first `lanes` queries. Only where there are [few](Self::is_few) primitives.
+    pub fn search_few<S: SideBySide>(&self, search: &mut FewSearch<S>, lanes: usize) {
+        widest(Few { geometry: self, search, lanes });
+    }
+
+    /// Whether slot `a` was given before slot `b`.
+    #[inline(always)]
+    fn is_given_before(&self, a: u32, b: u32) -> bool {
+        let order = self.bvh.order();
+        order[a as usize] < order[b as usize]
+    }
+}
+
+struct Few<'a, S: Row> {
+    geometry: &'a Geometry,
+    search: &'a mut FewSearch<S>,
+    lanes: usize,
+}
+
+impl<S: SideBySide> pulp::NullaryFnOnce for Few<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Few { geometry, search: FewSearch { queries, best, pending }, lanes } = self;
+        best.clear();
+        pending.clear();
+        for (number, queries) in queries.blocks(lanes).iter().enumerate() {
+            best.push(first_crossings::<S>(geometry, queries, |lane, slot, along| {
+                pending.push(Pending { lane: (number * LANES + lane) as u32, slot, along });
+            }));
+        }
+        for some in pending.chunks(LANES) {
+            let mut along = [[0.0; LANES]; 5];
+            for lane in 0..LANES {
+                // Lanes to spare repeat the last.
+                let c = some[lane.min(some.len() - 1)].along;
+                (0..5).for_each(|k| along[k][lane] = c[k]);
+            }
+            let roots = bracketed_roots(&along);
+            for (&Pending { lane, slot, .. }, s) in some.iter().zip(roots) {
+                best[lane as usize / LANES].consider(geometry, lane as usize % LANES, slot, s);
+            }
+        }
+    }
+}
+
+/// First crossings of the segments of a block, as far as they are found at once; the others go to `pend`.
+#[inline(always)]
+fn first_crossings<S: SideBySide>(
+    geometry: &Geometry,
+    queries: &QueryBlock<S::Block>,
+    mut pend: impl FnMut(usize, u32, [f64; 5]),
+) -> Crossings {
+    let (mut segments, mut prepared) = (S::Block::default(), <S::Prepared as Row>::Block::default());
+    for lane in 0..LANES {
+        let is_whole = queries.need[lane] == Need::Whole;
+        let shift = if is_whole { -geometry.origin } else { NOWHERE };
+        let segment = S::get(&queries.segment, lane).shifted(shift);
+        S::set(&mut segments, lane, segment);
+        S::Prepared::set(&mut prepared, lane, segment.prepared());
+    }
+    let mut own = [u64::MAX; LANES];
+    for lane in 0..LANES {
+        let PrimitiveId { item, triangle } = queries.leaves[lane];
+        own[lane] = if triangle == 0 { u64::from(item) } else { u64::MAX };
+    }
+    let mut best = Crossings { s: [f64::INFINITY; LANES], slot: [0; LANES] };
+    for (slot, item) in geometry.items.iter().enumerate() {
+        let (slot, number) = (slot as u32, slot as u64);
+        let mut s = [f64::INFINITY; LANES];
+        match *item {
+            Item::Sphere(i) => {
+                let sphere = geometry.spheres[i as usize].0;
+                let found = |lane: usize, at: f64| s[lane] = at;
+                let pending = |lane, along| pend(lane, slot, along);
+                S::cross_spheres(&prepared, sphere, (&own, number), found, pending);
+            }
+            Item::Disk(i) => {
+                let disk = geometry.disks[i as usize].0;
+                for lane in 0..LANES {
+                    s[lane] = S::get(&segments, lane).cross_disk(&disk, own[lane] == number);
+                }
+            }
+            Item::Triangle(i) => {
+                let triangle = geometry.triangles[i as usize];
+                for lane in 0..LANES {
+                    s[lane] = S::get(&segments, lane).cross_triangle(&triangle, own[lane] == number);
+                }
+            }
+            Item::Instance(_) => {}
+        }
+        if s != [f64::INFINITY; LANES] {
+            (0..LANES).for_each(|lane| best.consider(geometry, lane, slot, s[lane]));
+        }
+    }
+    best
+}
+
+impl Crossings {
+    /// Takes a crossing at `s` if it is the first, or at the same place as the first and given before it.
+    #[inline(always)]
+    fn consider(&mut self, geometry: &Geometry, lane: usize, slot: u32, s: f64) {
+        let best = self.s[lane];
+        let is_tie = s == best && s < f64::INFINITY;
+        if s < best || (is_tie && geometry.is_given_before(slot, self.slot[lane])) {
+            (self.s[lane], self.slot[lane]) = (s, slot);
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! A race at one point: who is how fast, and what the wavefront's stages cost.
+
+use super::super::{markdown, percent, with_error};
+use super::{over_first, seconds, style};
+use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
+use crate::study::bench::{Contender, Race, Runs};
+use crate::trace::Stats;
+
+/// Size of the diagram, points.
+const CHART: [f64; 2] = [620.0, 420.0];
+/// Half the width of a bar, rounds.
+const BAR: f64 = 0.38;
+/// Room above the highest curve, relative to it.
+const ROOM: f64 = 1.06;
+/// What stages look like, learning and the rest last.
+const COLORS: [Color; 9] = [
+    Color::GREEN,
+    Color::BLUE,
+    Color::ORANGE,
+    Color::SKY,
+    Color::WINE,
+    Color::PURPLE,
+    Color::GREY,
+    Color::VERMILION,
+    Color::PALE,
+];
+/// What light sampling learns before, during which no thread does anything else.
+const LEARN: &str = "learn";
+/// Thread time that is no stage's: sums of samples, waiting at the end of a pass.
+const REST: &str = "rest";
+
+/// Contenders, the stages of the first wavefront among them, and what it all means, as text and tables in Markdown.
+pub fn table(race: &Race) -> String {
+    let mut text = contenders(race);
+    if let Some(wavefront) = wavefront(race) {
+        text = format!("{text}\n{}\n{}\n", stages(wavefront), vectors(wavefront));
+    }
+    text + &verdicts(race)
+}
+
+fn wavefront(race: &Race) -> Option<&Runs> {
+    race.runs.iter().find(|runs| super::occupancy(runs).is_some())
+}
+
+fn contenders(race: &Race) -> String {
+    let header = [
+        "contender",
+        "seconds (range)",
+        "time ratio",
+        "tracing alone",
+        "k paths/s",
+        "M rays/s",
+        "M steps/s",
+        "M queries/s",
+        "steps/ray",
+        "queries/ray",
+    ];
+    let row = |(index, runs): (usize, &Runs)| {
+        let counters = runs.counters();
+        let rays = counters.rays + counters.light_rays;
+        let median = runs.median(|stats| stats.seconds);
+        let rate = |count: u64, unit: f64| format!("{:.2}", count as f64 / median / unit);
+        [
+            runs.contender.name(),
+            seconds(runs),
+            over_first(index, race.ratio(index, 0)),
+            over_first(index, race.tracing_ratio(index, 0)),
+            rate(counters.paths, 1e3),
+            rate(rays, 1e6),
+            rate(counters.steps, 1e6),
+            rate(counters.queries, 1e6),
+            format!("{:.2}", counters.steps as f64 / rays as f64),
+            format!("{:.2}", counters.queries as f64 / rays as f64),
+        ]
+    };
+    markdown(header, race.runs.iter().enumerate().map(row).collect())
+}
+
+/// Thread time of each stage, of learning and of what is left, seconds.
+fn parts(stats: &Stats) -> Vec<(&'static str, f64)> {
+    let stages = stats.stages.named().map(|(name, stage)| (name, stage.seconds));
+    let learning = stats.stages.learning * stats.threads as f64;
+    let known = learning + stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
+    let rest = stats.seconds * stats.threads as f64 - known;
+    stages.into_iter().chain([(LEARN, learning), (REST, rest)]).collect()
+}
+
+fn stages(runs: &Runs) -> String {
+    let Some(first) = runs.rounds.first() else { return String::new() };
+    let items = first.stages.named().map(|(_, stage)| stage.items).into_iter().map(Some).chain([None, None]);
+    let lanes = first.stages.occupancy.lanes as f64;
+    let whole = runs.median(|stats| stats.seconds * stats.threads as f64);
+    let row = |(index, ((name, _), items)): (usize, ((&str, f64), Option<u64>))| {
+        let seconds = runs.median(|stats| parts(stats)[index].1);
+        let of_items =
+            |value: &dyn Fn(f64) -> String| items.map_or_else(|| "–".to_owned(), |items| value(items as f64));
+        [
+            name.to_owned(),
+            format!("{seconds:.3}"),
+            percent(seconds / whole),
+            of_items(&|items| items.to_string()),
+            of_items(&|items| format!("{:.1}", 1e9 * seconds / items.max(1.0))),
+            of_items(&|items| percent(items / lanes)),
+        ]
+    };
+    let header = ["stage", "thread seconds", "share", "rays handled", "ns/ray", "of all lanes"];
+    markdown(header, parts(first).into_iter().zip(items).enumerate().map(row).collect())
+}
+
+/// How full the vectors were.
+fn vectors(runs: &Runs) -> String {
+    let occupancy = runs.rounds.first().map(|stats| stats.stages.occupancy).unwrap_or_default();
+    let per_round = |count: u64| count as f64 / occupancy.rounds.max(1) as f64;
+    format!(
+        "{} of the wavefront: {:.0} of {:.0} lanes in use, {}; of the lanes of blocks in use {}",
+        match occupancy.rounds {
+            1 => "1 move".to_owned(),
+            rounds => format!("{rounds} moves"),
+        },
+        per_round(occupancy.live),
+        per_round(occupancy.lanes),
+        percent(occupancy.live as f64 / occupancy.lanes.max(1) as f64),
+        percent(occupancy.live as f64 / occupancy.blocks.max(1) as f64),
+    )
+}
+
+/// One sentence per contender after the first.
+fn verdicts(race: &Race) -> String {
+    let verdict = |(index, runs): (usize, &Runs)| {
+        let [slower, faster] = [(index, 0), (0, index)].map(|(a, b)| with_error(race.ratio(a, b)));
+        match runs.contender {
+            Contender::Wavefront => format!("the wavefront against itself: {slower} times the time\n"),
+            Contender::PerPixel => format!(
+                "the wavefront is {slower} times as fast as the same kernels pixel by pixel; the pictures are the \
+                 same, bit for bit\n"
+            ),
+            Contender::Paper => format!("the wavefront is {slower} times as fast as the paper's scheme\n"),
+            Contender::Flat => format!("curved space takes {faster} times as long as flat space\n"),
+        }
+    };
+    race.runs.iter().enumerate().skip(1).map(verdict).collect()
+}
+
+/// Thread time per path in every round: the wavefront's by stage, as bars, under the curves of all contenders.
+pub fn figure(race: &Race) -> Figure {
+    let mut series = wavefront(race).map(bars).unwrap_or_default();
+    for runs in &race.runs {
+        let curve = runs.rounds.iter().zip(1..).map(|(stats, round)| {
+            [f64::from(round), microseconds(stats, stats.seconds * stats.threads as f64)]
+        });
+        // The bars have the colours.
+        let style = Style { color: Color::BLACK, ..style(runs.contender) };
+        series.push(Series { name: runs.contender.name(), style, curves: vec![curve.collect()] });
+    }
+    let rounds = race.runs.first().map_or(0, |runs| runs.rounds.len());
+    let heights = series.iter().flat_map(|series| series.curves.iter().flatten()).map(|[_, y]| *y);
+    let top = ROOM * heights.fold(0.0, f64::max);
+    let chart = Chart {
+        title: "Time by round".to_owned(),
+        x: Axis::linear("round", [0.5, rounds as f64 + 0.5]),
+        y: Axis::linear("thread time per camera path (µs)", [0.0, top]),
+        size: CHART,
+        series,
+    };
+    Figure { charts: vec![chart] }
+}
+
+/// `seconds` of thread time per camera path.
+fn microseconds(stats: &Stats, seconds: f64) -> f64 {
+    1e6 * seconds / stats.counters.paths as f64
+}
+
+/// The stages of the wavefront, one upon the other, a bar per round.
+fn bars(runs: &Runs) -> Vec<Series> {
+    let names = runs.rounds.first().map(parts).unwrap_or_default();
+    let mut series: Vec<Series> = names
+        .into_iter()
+        .zip(COLORS.into_iter().cycle())
+        .map(|((name, _), color)| Series {
+            name: name.to_owned(),
+            style: Style::area(color),
+            curves: Vec::new(),
+        })
+        .collect();
+    for (stats, round) in runs.rounds.iter().zip(1..) {
+        let (left, right) = (f64::from(round) - BAR, f64::from(round) + BAR);
+        let mut low = 0.0;
+        for (series, (_, seconds)) in series.iter_mut().zip(parts(stats)) {
+            let high = low + microseconds(stats, seconds);
+            series.curves.push(vec![[left, low], [right, low], [right, high], [left, high]]);
+            low = high;
+        }
+    }
+    series
+}

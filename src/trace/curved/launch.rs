@@ -1,0 +1,68 @@
+//! The start of a curved ray: the plane of its orbit, its constants, and a first step.
+
+use glam::DVec3;
+
+use super::onward::Turn;
+use super::{Curved, CurvedFlight, Lane};
+use crate::geodesic::{Launch, Phase};
+use crate::geometry::PrimitiveId;
+use crate::math::columns::columns;
+use crate::math::kernel::Kernel;
+use crate::spacetime::ConformallyFlat;
+
+columns! {
+    /// Where a ray starts.
+    pub struct Place => PlaceBlock {
+        /// World position.
+        position: DVec3,
+        /// Unit direction in the static frame.
+        direction: DVec3,
+        /// The primitive it lies on.
+        leaves: PrimitiveId,
+    }
+}
+
+/// Launches rays.
+pub struct Launching<'a, M, R> {
+    curved: &'a Curved<M, R>,
+    /// Order of the stepper's estimate.
+    order: u32,
+}
+
+impl<'a, M: ConformallyFlat, R: Lane> Launching<'a, M, R> {
+    /// For rays of this transport.
+    pub fn of(curved: &'a Curved<M, R>) -> Self {
+        Self { curved, order: curved.march.order() }
+    }
+}
+
+impl<M: ConformallyFlat, R: Lane> Kernel for Launching<'_, M, R> {
+    type A = Place;
+    type B = ();
+    type Out = CurvedFlight<R>;
+
+    #[inline(always)]
+    fn run(&self, start: &Place, (): &()) -> CurvedFlight<R> {
+        let Self { curved: Curved { medium, center, control, .. }, order } = self;
+        let position = start.position - center;
+        let Launch { radial, along, b, w, v, fate } =
+            Launch::new(medium, position, start.direction, R::EPSILON);
+        let (b, phase) = (R::of(b), Phase::new(medium, R::of(w), R::of(v)));
+        let h = control.first_step(medium, *order, b, &phase);
+        CurvedFlight {
+            position,
+            radial,
+            along,
+            b,
+            w: phase.w,
+            v: phase.v,
+            pull: phase.pull,
+            h: self.curved.within(h, b, &phase),
+            error: R::of(1.0),
+            fate,
+            leaves: start.leaves,
+            steps: 0,
+            turn: Turn::Flies,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! From the end of a step that met nothing to the start of the next.
+
+use super::{Curved, CurvedFlight, CurvedMove, Lane};
+use crate::geodesic::Phase;
+use crate::geometry::PrimitiveId;
+use crate::math::columns::plain_field;
+use crate::math::kernel::Kernel;
+use crate::spacetime::{ConformallyFlat, Fate};
+
+/// What became of a ray in a step that met nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turn {
+    /// It flies on.
+    #[default]
+    Flies,
+    /// It leaves to infinity.
+    Leaves,
+    /// It falls through the horizon.
+    Falls,
+    /// It took more steps than allowed.
+    StepLimit,
+    /// Its state is no longer finite.
+    NonFinite,
+}
+
+plain_field!(Turn);
+
+/// Most steps of one ray: two orders of magnitude above what rays with several windings take.
+const MAX_STEPS: u32 = 10_000;
+
+/// Takes rays on that met nothing: to the end of a step that is good enough, or else to a shorter step.
+pub struct Onward<'a, M, R>(pub &'a Curved<M, R>);
+
+impl<M: ConformallyFlat, R: Lane> Kernel for Onward<'_, M, R> {
+    type A = CurvedFlight<R>;
+    type B = CurvedMove<R>;
+    type Out = CurvedFlight<R>;
+
+    #[inline(always)]
+    fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> CurvedFlight<R> {
+        // In f64, so that the vectors stay orthonormal.
+        let tangent = (flight.b * flight.h).value();
+        let taken = step.accepted;
+        let tangent = if taken { tangent } else { 0.0 };
+        let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
+        let sin = tangent * cos;
+        let pick = |end: R, start: R| if taken { end } else { start };
+        let phase = Phase {
+            w: pick(step.w, flight.w),
+            v: pick(step.v, flight.v),
+            pull: pick(step.pull, flight.pull),
+        };
+        let zero = R::of(0.0);
+        let way = flight.place(pick(step.end_x, zero), pick(step.end_y, zero));
+        let next_h = pick(self.0.within(step.next_h, flight.b, &phase), step.next_h);
+        CurvedFlight {
+            position: flight.position + way,
+            radial: cos * flight.radial + sin * flight.along,
+            along: cos * flight.along - sin * flight.radial,
+            w: phase.w,
+            v: phase.v,
+            pull: phase.pull,
+            h: next_h,
+            error: pick(step.error, flight.error),
+            leaves: if taken { PrimitiveId::NONE } else { flight.leaves },
+            steps: flight.steps + 1,
+            turn: self.turn(flight, taken, &phase, next_h),
+            ..*flight
+        }
+    }
+}
+
+impl<M: ConformallyFlat, R: Lane> Onward<'_, M, R> {
+    #[inline(always)]
+    fn turn(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> Turn {
+        // The next step must be finite and not vanish; a state lost for good is reported.
+        let moves = next_h.value() > f64::from(f32::MIN_POSITIVE);
+        let is_left = taken & self.0.chart.is_left(flight.fate, phase.w.value(), phase.v.value());
+        let gone = if flight.fate == Fate::Escapes { Turn::Leaves } else { Turn::Falls };
+        let turn = if is_left { gone } else { Turn::Flies };
+        let turn = if taken | moves { turn } else { Turn::NonFinite };
+        if flight.steps < MAX_STEPS { turn } else { Turn::StepLimit }
+    }
+}
