@@ -76,12 +76,15 @@ impl Geometry {
             Some(index) => triangle(sources[index]).bounds(),
         };
         let (typical_extent, bvh) = (self.median_extent(count, bounds), Bvh::build(count, bounds));
-        let in_order = |&index: &u32| (index as usize).checked_sub(others).map(|index| sources[index]);
-        self.sources = bvh.order().iter().filter_map(in_order).collect();
+        self.sources.reserve_exact(sources.len());
+        let source = |&index: &u32| (index as usize).checked_sub(others).map(|index| sources[index]);
+        self.sources.extend(bvh.order().iter().filter_map(source));
         self.triangles = self.sources.par_iter().map(|&source| triangle(source)).collect();
         let mut triangles = (0..).map(Item::Triangle);
+        let mut items = Vec::with_capacity(count);
         let item = |&index: &u32| self.items.get(index as usize).copied().or_else(|| triangles.next());
-        self.items = bvh.order().iter().filter_map(item).collect();
+        items.extend(bvh.order().iter().filter_map(item));
+        self.items = items;
         (self.typical_extent, self.bvh) = (typical_extent, bvh);
     }
 

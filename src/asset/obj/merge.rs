@@ -21,6 +21,7 @@ pub(super) fn merge(positions: &[f32], normals: &[f32], indices: &[u32], normal_
         mesh.positions.push(positions[position as usize]);
         mesh.normals.push(normals[normal as usize]);
     }
+    mesh.normals.shrink_to_fit();
     mesh
 }
 
