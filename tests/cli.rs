@@ -9,7 +9,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use command::{Folder, assert_good, assert_refused, stderr};
+use command::{Folder, assert_good, assert_refused, stderr, stdout};
 
 const SCENE: &str = "
 [camera]
@@ -303,6 +303,33 @@ fn info_tells_what_the_scene_holds_and_why_stages_run() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["spacetime"]["kind"], "schwarzschild");
     assert_eq!(json["spacetime"]["center"][0], -3.0);
+}
+
+#[test]
+fn info_foretells_the_render_that_its_flags_ask_for() {
+    let place = Place::new();
+    let flags = ["--spp", "32", "--threads", "1", "--crop", "4,2,12,8", "--aov", "depth"];
+    let output = place.run(&[&["info", "scene.toml", "--json"][..], &flags].concat());
+    assert_good(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let cost = &json["cost"];
+    assert_eq!((&cost["threads"], &cost["paths"]), (&1.into(), &(8 * 6 * 32).into()));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or_else(|| panic!("{json:#}"));
+    let parts = [&cost["learning"], &cost["sampling"]["value"], &cost["edges"]["value"]].map(number);
+    assert!(parts.iter().all(|&seconds| seconds >= 0.0) && parts[1] > 0.0, "{cost}");
+    let seconds = number(&cost["seconds"]["value"]);
+    assert!((parts.iter().sum::<f64>() - seconds).abs() < 1e-9 * seconds, "{cost}");
+    assert!(number(&cost["per_pixel_over_wavefront"]["value"]) > 0.0);
+    let schedule = &json["schedule"];
+    assert!(schedule.is_null() || schedule == "wavefront" || schedule == "per-pixel", "{schedule}");
+    assert!(number(&json["memory"]["film"]) >= (8 * 6 * 32) as f64);
+
+    let text = stdout(&place.run(&[&["info", "scene.toml"][..], &flags].concat()));
+    let row = |label: &str| text.lines().find(|line| line.starts_with(label)).unwrap_or_default().to_owned();
+    assert!(row("cost").contains("on 1 thread: ") && row("cost").contains("for 1.54 k paths"), "{text}");
+    assert!(row("schedule").contains("wavefront") && row("schedule").contains("per-pixel"), "{text}");
+    assert!(text.contains("AOVs       runs     depth"), "{text}");
+    assert_refused(&place.run(&["info", "scene.toml", "--crop", "0,0,99,5"]), &["--crop", "16x12"]);
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub(super) enum Command {
     /// Render a scene to an OpenEXR file and a PNG preview
     Render(Box<RenderArgs>),
     /// Tell what a scene holds, and which stages a render of it runs and why
-    Info(InfoArgs),
+    Info(Box<InfoArgs>),
     /// Tell how far a picture is from a reference, and whether noise explains it
     Compare(CompareArgs),
     /// Draw a fan of rays past the hole, in a plane, with what the plane cuts
@@ -67,6 +67,10 @@ pub(super) struct RenderArgs {
 pub(super) struct InfoArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    pub(super) settings: SettingArgs,
+    #[command(flatten)]
+    pub(super) share: ShareArgs,
     /// Print JSON
     #[arg(long)]
     pub(super) json: bool,
@@ -428,22 +432,16 @@ pub(super) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
     distinct
 }
 
-/// How the render runs.
+/// What is rendered, and by whom.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Run")]
-pub(super) struct RunArgs {
+pub(super) struct ShareArgs {
     /// Worker threads; 0 means one per core
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     threads: usize,
     /// Rays in flight per worker
     #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
     batch: Option<usize>,
-    /// Stop after this time, such as 90s, 5m or 1h30m
-    #[arg(long, value_name = "TIME", value_parser = parse::duration, allow_hyphen_values = true)]
-    time_limit: Option<Duration>,
-    /// Stop when the mean relative standard error of the picture falls below this
-    #[arg(long, value_name = "X", value_parser = parse::positive, allow_hyphen_values = true)]
-    noise: Option<f64>,
     /// Planes to write beside the colours, separated by commas
     #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
     aovs: Vec<Aov>,
@@ -452,7 +450,29 @@ pub(super) struct RunArgs {
     crop: Option<[usize; 4]>,
 }
 
+/// How the render runs.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Run")]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    share: ShareArgs,
+    /// Stop after this time, such as 90s, 5m or 1h30m
+    #[arg(long, value_name = "TIME", value_parser = parse::duration, allow_hyphen_values = true)]
+    time_limit: Option<Duration>,
+    /// Stop when the mean relative standard error of the picture falls below this
+    #[arg(long, value_name = "X", value_parser = parse::positive, allow_hyphen_values = true)]
+    noise: Option<f64>,
+}
+
 impl RunArgs {
+    /// The run for a picture of `width` × `height` pixels.
+    pub(super) fn resolve(&self, width: usize, height: usize) -> Result<Run, Failure> {
+        let run = self.share.resolve(width, height)?;
+        Ok(Run { time_limit: self.time_limit, noise: self.noise, ..run })
+    }
+}
+
+impl ShareArgs {
     /// The run for a picture of `width` × `height` pixels.
     pub(super) fn resolve(&self, width: usize, height: usize) -> Result<Run, Failure> {
         if let Some([x0, y0, x1, y1]) = self.crop.filter(|[_, _, x1, y1]| *x1 > width || *y1 > height) {
@@ -465,10 +485,9 @@ impl RunArgs {
         Ok(Run {
             threads: self.threads,
             batch: self.batch.unwrap_or(Run::default().batch),
-            time_limit: self.time_limit,
-            noise: self.noise,
             crop: self.crop,
             aovs: distinct(&self.aovs),
+            ..Run::default()
         })
     }
 }
@@ -546,7 +565,7 @@ mod tests {
 
     #[test]
     fn a_crop_must_lie_within_the_picture() {
-        let args = RunArgs { crop: Some([0, 0, 17, 12]), ..RunArgs::default() };
+        let args = ShareArgs { crop: Some([0, 0, 17, 12]), ..ShareArgs::default() };
         assert!(args.resolve(17, 12).is_ok());
         let message = args.resolve(16, 12).unwrap_err().to_string();
         assert!(message.contains("--crop 0,0,17,12") && message.contains("16x12"), "{message}");
@@ -554,7 +573,7 @@ mod tests {
 
     #[test]
     fn a_plane_asked_for_twice_is_written_once() {
-        let args = RunArgs { aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth], ..RunArgs::default() };
+        let args = ShareArgs { aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth], ..ShareArgs::default() };
         assert_eq!(args.resolve(1, 1).unwrap().aovs, [Aov::Depth, Aov::Normal]);
     }
 }

@@ -11,17 +11,21 @@ use super::units::{bytes, plural};
 use super::{Outcome, cost, memory, print};
 use crate::geometry::Counts;
 use crate::light::Punctual;
-use crate::scene::{self, Baked, Settings, SpacetimeKind, flag_name};
+use crate::scene::{self, Baked, Schedule, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
+use crate::study::forecast::Forecast;
+use crate::trace::Run;
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
-    let scene = scene::load_with_hole(
+    let mut scene = scene::load_with_hole(
         &args.scene.path,
         &args.scene.changes.overrides,
         args.scene.changes.black_hole,
     )?;
-    let report = Report::of(args.scene.path.display().to_string(), &scene);
+    args.settings.apply(&mut scene.settings);
+    let run = args.share.resolve(scene.settings.width, scene.settings.height)?;
+    let report = Report::of(args.scene.path.display().to_string(), &scene, &run);
     let text = if args.json {
         let json = serde_json::to_string_pretty(&report);
         json.map_err(|error| Failure::new(format!("cannot express the scene as JSON: {error}")))? + "\n"
@@ -45,8 +49,10 @@ struct Report<'a> {
     settings: &'a Settings,
     memory: Memory,
     stages: Vec<Stage>,
+    cost: Forecast,
+    /// The faster one; absent where neither surely is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    cost: Option<String>,
+    schedule: Option<Schedule>,
     warnings: &'a [String],
 }
 
@@ -101,7 +107,8 @@ struct Memory {
 }
 
 impl<'a> Report<'a> {
-    fn of(name: String, scene: &'a Baked) -> Self {
+    fn of(name: String, scene: &'a Baked, run: &Run) -> Self {
+        let cost = cost::forecast(scene, run);
         Self {
             scene: name,
             spacetime: Spacetime::of(scene.spacetime),
@@ -115,9 +122,10 @@ impl<'a> Report<'a> {
                 vertical_fov: 2.0 * scene.camera.tan_half_fov.atan().to_degrees(),
             },
             settings: &scene.settings,
-            memory: Memory::of(scene),
-            stages: stages::of(scene),
-            cost: cost::estimate(scene),
+            memory: Memory::of(scene, run),
+            stages: stages::of(scene, &run.aovs),
+            schedule: cost.faster().map(|(schedule, _)| schedule),
+            cost,
             warnings: &scene.warnings,
         }
     }
@@ -135,8 +143,9 @@ impl<'a> Report<'a> {
             ("film", film(self.settings)),
             ("paths", paths(self.settings)),
             ("memory", self.memory.text()),
+            ("cost", cost::time(&self.cost)),
+            ("schedule", cost::schedule(&self.cost, self.settings.schedule)),
         ];
-        rows.extend(self.cost.iter().map(|cost| ("cost", cost.clone())));
         rows.extend(self.stages.iter().map(|stage| {
             let state = if stage.runs { "runs" } else { "not run" };
             ("stage", format!("{:<10} {state:<8} {}", stage.name, stage.why))
@@ -246,8 +255,7 @@ impl View {
 }
 
 impl Memory {
-    fn of(scene: &Baked) -> Self {
-        let settings = &scene.settings;
+    fn of(scene: &Baked, run: &Run) -> Self {
         let environment = match &scene.environment {
             Environment::Image(image) => size_of_val(image.pixels.as_slice()),
             _ => 0,
@@ -255,7 +263,7 @@ impl Memory {
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             environment: environment as u64,
-            film: memory::film_bytes((settings.width as u64).saturating_mul(settings.height as u64), &[]),
+            film: memory::film_bytes(&scene.settings, run),
         }
     }
 
@@ -315,7 +323,7 @@ mod tests {
         };
         scene.punctual = vec![point, spot, point];
         scene.warnings.push("`fog` is not understood".to_owned());
-        let text = Report::of("a.toml".to_owned(), &scene).text();
+        let text = Report::of("a.toml".to_owned(), &scene, &Run::default()).text();
         let expected = [
             "scene        a.toml",
             "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1.0000, photon sphere 3.7321",
@@ -335,7 +343,7 @@ mod tests {
     fn the_json_holds_the_same() {
         let mut scene = empty_scene(SpacetimeKind::Flat);
         scene.punctual = vec![Punctual::Distant { direction: DVec3::X, irradiance: Vec3::ONE }];
-        let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene)).unwrap();
+        let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene, &Run::default())).unwrap();
         assert_eq!(json["spacetime"]["kind"], "flat");
         assert_eq!(json["settings"]["stepper"], "rkn6");
         assert_eq!(json["stages"][0]["runs"], false);

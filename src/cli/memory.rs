@@ -4,20 +4,26 @@ use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
 use super::failure::Failure;
 use super::units::bytes;
-use crate::film::{Aov, BEAUTY};
+use crate::film::BEAUTY;
 use crate::scene::Settings;
 use crate::trace::Run;
 
-/// Bytes of a pixel's sums: four channels, and what is known of first hits, in f64.
-const SUMS: (usize, usize) = (4 * size_of::<f64>(), 16 * size_of::<f64>());
 /// Bytes of a pixel of the preview.
 const PREVIEW: usize = 3;
 
-/// Bytes that a picture of this many pixels needs: sums over samples, finished planes in f32, and the preview.
-pub(super) fn film_bytes(pixels: u64, aovs: &[Aov]) -> u64 {
-    let channels = BEAUTY.len() + aovs.iter().map(|aov| aov.channels().len()).sum::<usize>();
-    let sums = if aovs.is_empty() { SUMS.0 } else { SUMS.0 + SUMS.1 };
-    pixels.saturating_mul((sums + channels * size_of::<f32>() + PREVIEW) as u64)
+/// Bytes that a picture needs at most: first sums over samples, which go as the finished planes come, then the planes in
+/// f32 and the preview.
+pub(super) fn film_bytes(settings: &Settings, run: &Run) -> u64 {
+    let (width, height) = size(settings, run);
+    let pixels = (width as u64).saturating_mul(height as u64);
+    let channels = BEAUTY.len() + run.aovs.iter().map(|aov| aov.channels().len()).sum::<usize>();
+    let finished = channels * size_of::<f32>() + PREVIEW;
+    pixels.saturating_mul(run.pixel_bytes().max(finished) as u64)
+}
+
+/// Columns and rows that are rendered.
+fn size(settings: &Settings, run: &Run) -> (usize, usize) {
+    run.crop.map_or((settings.width, settings.height), |[x0, y0, x1, y1]| (x1 - x0, y1 - y0))
 }
 
 /// Bytes that are free, the limits of a container included; `None` where the system does not tell.
@@ -31,9 +37,7 @@ fn available() -> Option<u64> {
 
 /// Refuses a film that would not fit.
 pub(super) fn check(settings: &Settings, run: &Run) -> Result<(), Failure> {
-    let (width, height) =
-        run.crop.map_or((settings.width, settings.height), |[x0, y0, x1, y1]| (x1 - x0, y1 - y0));
-    let needed = film_bytes((width as u64).saturating_mul(height as u64), &run.aovs);
+    let ((width, height), needed) = (size(settings, run), film_bytes(settings, run));
     match available() {
         Some(free) if needed > free => Err(Failure::new(format!(
             "a film of {width}x{height} pixels needs {} of memory, and {} are free",
@@ -48,12 +52,22 @@ pub(super) fn check(settings: &Settings, run: &Run) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Aov;
 
     #[test]
     fn planes_that_are_asked_for_count() {
-        assert_eq!(film_bytes(10, &[]), 10 * (4 * 8 + 4 * 4 + 3));
-        assert_eq!(film_bytes(10, &[Aov::Depth, Aov::Normal]), 10 * (20 * 8 + 8 * 4 + 3));
-        assert_eq!(film_bytes(u64::MAX, &[]), u64::MAX);
+        let settings = Settings { width: 5, height: 2, ..Settings::default() };
+        let with = |aovs: &[Aov]| film_bytes(&settings, &Run { aovs: aovs.to_vec(), ..Run::default() });
+        assert_eq!(with(&[]), 10 * 4 * 8);
+        assert_eq!(with(&[Aov::Variance]), 10 * 7 * 8);
+        assert_eq!(film_bytes(&settings, &Run { noise: Some(0.1), ..Run::default() }), 10 * 7 * 8);
+        assert!(
+            with(&[Aov::Depth, Aov::Normal]) == with(&[Aov::Position]) && with(&[Aov::Depth]) > with(&[])
+        );
+        let crop = Run { crop: Some([1, 1, 4, 2]), ..Run::default() };
+        assert_eq!(film_bytes(&settings, &crop), 3 * 4 * 8);
+        let huge = Settings { width: usize::MAX, height: usize::MAX, ..Settings::default() };
+        assert_eq!(film_bytes(&huge, &Run::default()), u64::MAX);
     }
 
     #[test]

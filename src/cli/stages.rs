@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::units::plural;
+use crate::film::Aov;
 use crate::scene::{Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
 use crate::shade::Material;
 use crate::trace::light_sampling;
@@ -16,7 +17,7 @@ pub(super) struct Stage {
 }
 
 /// The stages in the order in which a ray meets them.
-pub(super) fn of(scene: &Baked) -> Vec<Stage> {
+pub(super) fn of(scene: &Baked, planes: &[Aov]) -> Vec<Stage> {
     vec![
         advance(scene),
         intersect(scene),
@@ -25,7 +26,7 @@ pub(super) fn of(scene: &Baked) -> Vec<Stage> {
         emit(scene),
         scatter(scene),
         lights(scene),
-        aovs(),
+        aovs(planes),
     ]
 }
 
@@ -124,8 +125,12 @@ fn lights(scene: &Baked) -> Stage {
     stage("light", true, format!("rays to {surfaces}, {points}{sky}, {way}{also}"))
 }
 
-fn aovs() -> Stage {
-    stage("AOVs", false, "none asked for")
+fn aovs(planes: &[Aov]) -> Stage {
+    let names: Vec<String> = planes.iter().map(|&plane| flag_name(plane)).collect();
+    match names.is_empty() {
+        true => stage("AOVs", false, "none asked for"),
+        false => stage("AOVs", true, names.join(", ")),
+    }
 }
 
 #[cfg(test)]
@@ -154,7 +159,7 @@ pub(super) mod tests {
     }
 
     fn find(scene: &Baked, name: &str) -> Stage {
-        of(scene).into_iter().find(|stage| stage.name == name).unwrap()
+        of(scene, &[]).into_iter().find(|stage| stage.name == name).unwrap()
     }
 
     #[test]

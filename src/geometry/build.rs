@@ -29,65 +29,63 @@ impl Geometry {
             .collect();
         let mut items: Vec<Item> = (0..spheres.len() as u32).map(Item::Sphere).collect();
         items.extend((0..disks.len() as u32).map(Item::Disk));
-        let (mut triangles, mut sources) = (Vec::new(), Vec::new());
-        for (index, (instance, _)) in instances.iter().enumerate() {
-            let index = index as u32;
-            if uses[instance.mesh as usize] > 1 {
+        let mut sources = Vec::new();
+        for (index, (instance, _)) in (0..).zip(&instances) {
+            let mesh = instance.mesh as usize;
+            if uses[mesh] > 1 {
                 items.push(Item::Instance(index));
-                continue;
+            } else {
+                let triangles = 0..meshes[mesh].triangles.len() as u32;
+                sources.extend(triangles.map(|triangle| Source { instance: index, triangle }));
             }
-            let mesh = &meshes[instance.mesh as usize];
-            let placed = place_triangles(mesh, &to_local(instance));
-            sources.extend((0..placed.len() as u32).map(|triangle| Source { instance: index, triangle }));
-            triangles.extend(placed);
         }
-        items.extend((0..triangles.len() as u32).map(Item::Triangle));
-        meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
         let placed: Vec<Placed> =
             instances.iter().map(|(i, surface)| Placed::new(i, &to_local(i), *surface)).collect();
 
         let mut geometry = Self {
             origin,
-            bvh: Bvh::build(std::iter::empty()),
+            bvh: Bvh::build(0, |_| Default::default()),
             items,
             spheres,
             disks,
-            triangles,
-            sources,
-            meshes,
+            triangles: Vec::new(),
+            sources: Vec::new(),
+            meshes: Vec::new(),
             shared,
             placed,
             counts,
             typical_extent: 0.0,
         };
-        geometry.build_top();
+        let placings: Vec<Placing> = instances
+            .iter()
+            .map(|(instance, _)| Placing::new(&meshes[instance.mesh as usize], to_local(instance)))
+            .collect();
+        geometry.build_top(&sources, &placings);
+        meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
+        geometry.meshes = meshes;
         geometry
     }
 
-    /// Builds the top hierarchy and puts items and triangles in its leaf order.
-    fn build_top(&mut self) {
-        let boxes: Vec<(DVec3, DVec3)> = self.items.par_iter().map(|&item| self.item_box(item)).collect();
-        self.typical_extent = self.median_extent(&boxes);
-        self.bvh = Bvh::build(boxes.into_iter());
-        let (old_items, old_triangles, old_sources) = (
-            std::mem::take(&mut self.items),
-            std::mem::take(&mut self.triangles),
-            std::mem::take(&mut self.sources),
-        );
-        self.triangles.reserve_exact(old_triangles.len());
-        self.sources.reserve_exact(old_triangles.len());
-        self.items = Vec::with_capacity(old_items.len());
-        for &index in self.bvh.order() {
-            let item = match old_items[index as usize] {
-                Item::Triangle(triangle) => {
-                    self.triangles.push(old_triangles[triangle as usize]);
-                    self.sources.push(old_sources[triangle as usize]);
-                    Item::Triangle(self.triangles.len() as u32 - 1)
-                }
-                other => other,
-            };
-            self.items.push(item);
-        }
+    /// Builds the top hierarchy over items and triangles, and puts both in its leaf order. Triangles are placed twice, for
+    /// their boxes and in order: to keep them in between would take more memory than anything else.
+    fn build_top(&mut self, sources: &[Source], placings: &[Placing]) {
+        let triangle = |source: Source| placings[source.instance as usize].triangle(source.triangle);
+        let (others, count) = (self.items.len(), self.items.len() + sources.len());
+        let bounds = |index: usize| match index.checked_sub(others) {
+            None => self.item_box(self.items[index]),
+            Some(index) => triangle(sources[index]).bounds(),
+        };
+        let (typical_extent, bvh) = (self.median_extent(count, bounds), Bvh::build(count, bounds));
+        self.sources.reserve_exact(sources.len());
+        let source = |&index: &u32| (index as usize).checked_sub(others).map(|index| sources[index]);
+        self.sources.extend(bvh.order().iter().filter_map(source));
+        self.triangles = self.sources.par_iter().map(|&source| triangle(source)).collect();
+        let mut triangles = (0..).map(Item::Triangle);
+        let mut items = Vec::with_capacity(count);
+        let item = |&index: &u32| self.items.get(index as usize).copied().or_else(|| triangles.next());
+        items.extend(bvh.order().iter().filter_map(item));
+        self.items = items;
+        (self.typical_extent, self.bvh) = (typical_extent, bvh);
     }
 
     fn item_box(&self, item: Item) -> (DVec3, DVec3) {
@@ -113,16 +111,17 @@ impl Geometry {
     }
 
     /// Median box diagonal of what a ray can hit, triangles of shared meshes included.
-    fn median_extent(&self, boxes: &[(DVec3, DVec3)]) -> f64 {
+    fn median_extent(&self, count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3)) -> f64 {
         const SAMPLES: usize = 10_000;
-        let mut extents: Vec<f64> = Vec::new();
-        let stride = boxes.len().div_ceil(SAMPLES).max(1);
-        for (&item, (min, max)) in self.items.iter().zip(boxes).step_by(stride) {
-            extents.push(match item {
-                Item::Instance(i) => self.placed_extent(&self.placed[i as usize]),
-                _ => min.distance(*max),
-            });
-        }
+        let extent = |index: usize| match self.items.get(index) {
+            Some(&Item::Instance(i)) => self.placed_extent(&self.placed[i as usize]),
+            _ => {
+                let (min, max) = bounds(index);
+                min.distance(max)
+            }
+        };
+        let stride = count.div_ceil(SAMPLES).max(1);
+        let mut extents: Vec<f64> = (0..count).step_by(stride).map(extent).collect();
         if extents.is_empty() {
             return 0.0;
         }
@@ -141,10 +140,10 @@ impl Geometry {
 
 impl SharedMesh {
     fn build(mesh: &Mesh) -> Self {
-        let triangles = place_triangles(mesh, &DAffine3::IDENTITY);
-        let bvh = Bvh::build(triangles.iter().map(Triangle::bounds));
+        let placing = Placing::new(mesh, DAffine3::IDENTITY);
+        let bvh = Bvh::build(mesh.triangles.len(), |i| placing.triangle(i as u32).bounds());
         let order = bvh.order().to_vec();
-        let triangles = order.iter().map(|&i| triangles[i as usize]).collect();
+        let triangles = order.par_iter().map(|&i| placing.triangle(i)).collect();
         Self { bvh, triangles, order }
     }
 }
@@ -164,15 +163,28 @@ impl Placed {
     }
 }
 
-/// The triangles of a mesh under `map`, rewound if the map mirrors, so that their fronts stay in front.
-fn place_triangles(mesh: &Mesh, map: &DAffine3) -> Vec<Triangle> {
-    let place = |index: u32| {
-        let [x, y, z] = mesh.positions[index as usize].map(f64::from);
-        map.transform_point3(DVec3::new(x, y, z)).as_vec3().to_array()
-    };
-    let mirrored = map.matrix3.determinant() < 0.0;
-    let wind = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-    mesh.triangles.par_iter().map(|&t| Triangle { corners: wind(t).map(place) }).collect()
+/// A mesh under a map.
+struct Placing<'a> {
+    mesh: &'a Mesh,
+    map: DAffine3,
+    /// Triangles are rewound if the map mirrors, so that their fronts stay in front.
+    mirrored: bool,
+}
+
+impl<'a> Placing<'a> {
+    fn new(mesh: &'a Mesh, map: DAffine3) -> Self {
+        Self { mesh, map, mirrored: map.matrix3.determinant() < 0.0 }
+    }
+
+    fn triangle(&self, index: u32) -> Triangle {
+        let [a, b, c] = self.mesh.triangles[index as usize];
+        let corners = if self.mirrored { [a, c, b] } else { [a, b, c] };
+        let place = |index: u32| {
+            let [x, y, z] = self.mesh.positions[index as usize].map(f64::from);
+            self.map.transform_point3(DVec3::new(x, y, z)).as_vec3().to_array()
+        };
+        Triangle { corners: corners.map(place) }
+    }
 }
 
 fn transform_box(map: &DAffine3, min: DVec3, max: DVec3) -> (DVec3, DVec3) {

@@ -9,14 +9,15 @@
 //! Compressed Wide BVHs") measure twice as fast here as the binary hierarchy, on short arcs and on whole rays:
 //! `cargo bench -- search`.
 
-use std::time::Duration;
-
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::{CwBvhNode, extract_byte64};
+use obvhs::ploc::PlocBuilder;
 use obvhs::{BvhBuildParams, fast_stack, traverse};
+use rayon::prelude::*;
 
 use super::Chord;
 
@@ -33,15 +34,33 @@ const SLAB_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Up to this many primitives are tested one after the other, without a walk. Measured on the paper's nine spheres.
 const FEW: usize = 12;
+/// Primitives of a leaf, at most: what a node of obvhs can count.
+const MOST_IN_LEAF: u32 = 3;
 
 impl Bvh {
-    /// Builds the hierarchy, on all threads. Boxes are (min, max), finite, and within f32's range.
-    pub fn build(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> Self {
-        let boxes: Vec<Aabb> = boxes.map(|(min, max)| outwards(min, max)).collect();
-        let tree = match boxes.is_empty() {
-            true => CwBvh::default(),
-            false => build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default()),
-        };
+    /// Builds the hierarchy over `count` boxes, on all threads. A box is (min, max), finite, and within f32's range.
+    ///
+    /// The steps are those of obvhs's `build_cwbvh`, but the boxes are gone before the last one, which needs most memory.
+    pub fn build(count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3) + Sync) -> Self {
+        if count == 0 {
+            return Self { tree: CwBvh::default(), depth: 1 };
+        }
+        let params = BvhBuildParams::medium_build();
+        let boxes: Vec<Aabb> = (0..count).into_par_iter().map(|i| outwards(bounds(i))).collect();
+        let indices = (0..count as u32).collect();
+        let (distance, precision) = (params.ploc_search_distance, params.sort_precision);
+        let mut binary = PlocBuilder::with_capacity(count).build(
+            distance,
+            &boxes,
+            indices,
+            precision,
+            params.search_depth_threshold,
+        );
+        drop(boxes);
+        ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
+        binary.parents = Vec::new();
+        let mut tree = bvh2_to_cwbvh(&binary, MOST_IN_LEAF, true, false);
+        tree.nodes.shrink_to_fit();
         let depth = depth(&tree);
         Self { tree, depth }
     }
@@ -119,7 +138,7 @@ fn depth(tree: &CwBvh) -> usize {
 }
 
 /// The smallest f32 box that holds an f64 box.
-fn outwards(min: DVec3, max: DVec3) -> Aabb {
+fn outwards((min, max): (DVec3, DVec3)) -> Aabb {
     let down = |v: f64| {
         let narrow = v as f32;
         if f64::from(narrow) > v { narrow.next_down() } else { narrow }
@@ -214,7 +233,7 @@ mod tests {
     /// `count` boxes in a row along x, of half-width `half`.
     fn row(count: usize, half: f64) -> Bvh {
         let place = |i: usize| DVec3::new(3.0 * i as f64, 0.0, 0.0);
-        Bvh::build((0..count).map(|i| (place(i) - half, place(i) + half)))
+        Bvh::build(count, |i| (place(i) - half, place(i) + half))
     }
 
     #[test]
@@ -254,7 +273,7 @@ mod tests {
 
     #[test]
     fn boxes_in_one_place_are_all_found() {
-        let bvh = Bvh::build((0..5000).map(|_| (DVec3::splat(-1.0), DVec3::splat(1.0))));
+        let bvh = Bvh::build(5000, |_| (DVec3::splat(-1.0), DVec3::splat(1.0)));
         let mut met = 0;
         bvh.walk(&Chord { start: DVec3::splat(-3.0), end: DVec3::splat(3.0), sagitta: 0.0 }, |_| {
             met += 1;
@@ -286,7 +305,7 @@ mod tests {
                     (center - half, center + half)
                 })
                 .collect();
-            let bvh = Bvh::build(boxes.iter().copied());
+            let bvh = Bvh::build(boxes.len(), |i| boxes[i]);
             for i in 0..2000 {
                 let chord = Chord {
                     start: point(1.5),

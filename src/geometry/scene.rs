@@ -321,7 +321,7 @@ impl Geometry {
                 let Source { instance, triangle } = self.sources[i as usize];
                 let corners = &self.triangles[i as usize];
                 let placed = &self.placed[instance as usize];
-                // Flattened triangles of mirrored placements were rewound, see `place_triangles`.
+                // Flattened triangles of mirrored placements were rewound, see `Placing`.
                 let rewound = placed.to_object.matrix3.determinant() < 0.0;
                 let (u, v) = corners.barycentrics(point);
                 let weights = if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] };

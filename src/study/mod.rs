@@ -6,6 +6,7 @@ pub mod connections;
 pub mod ends;
 pub mod estimate;
 mod fan;
+pub mod forecast;
 pub mod free;
 pub mod lights;
 pub mod noise;

@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use super::samples::Samples;
-use super::work::{Share, Work};
+use super::work::{Lattice, Share, Work};
 use crate::scene::{Baked, Settings};
 
 /// Short paths for each whole one: the mean of well-distributed points across an edge errs as their number to the
@@ -49,6 +49,7 @@ impl Edges {
         let work = Work {
             origin: low,
             size: around,
+            lattice: Lattice::ALL,
             first_sample: FIRST_PROBE,
             samples: probes,
             share: Share::Lamps,
@@ -89,10 +90,10 @@ impl Edges {
 
     /// The short paths that belong to the whole ones of `work`; `None` if there are none.
     pub fn work(&self, work: &Work) -> Option<Work<'_>> {
-        let Work { origin, size, first_sample, samples, .. } = *work;
+        let Work { origin, size, lattice, first_sample, samples, .. } = *work;
         let (first_sample, samples) = (SPLIT * first_sample, SPLIT * samples);
         let share = Share::Edges(self);
-        (!self.pixels.is_empty()).then_some(Work { origin, size, first_sample, samples, share })
+        (!self.pixels.is_empty()).then_some(Work { origin, size, lattice, first_sample, samples, share })
     }
 
     /// Adds what the paths of [`Self::work`] saw to the whole ones, `count` a pixel.

@@ -14,7 +14,7 @@ use super::shoot::{Ray, Shot, follow};
 use super::stages::generate::generate;
 use super::stages::scatter::{incidence, scatter};
 use super::transport::{Outcome, Transport};
-use super::work::{Job, Share, Work};
+use super::work::{Job, Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::{Cap, Lights};
 
@@ -38,7 +38,8 @@ pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lig
     let size = (settings.width, settings.height);
     let pixels = size.0 * size.1;
     let none = Edges::default();
-    let work = Work { origin: (0, 0), size, first_sample: 0, samples: 1, share: Share::Whole(&none) };
+    let share = Share::Whole(&none);
+    let work = Work { origin: (0, 0), size, lattice: Lattice::ALL, first_sample: 0, samples: 1, share };
     let stride = pixels.div_ceil(PATHS).max(1);
     let met: Vec<Vec<(PrimitiveId, DVec3)>> = (0..pixels)
         .into_par_iter()

@@ -78,9 +78,21 @@ impl Illumination {
 
     /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass.
     pub fn learn<T: Transport>(&mut self, job: &Job, transport: &T) {
+        self.learn_exposure(job, transport);
+        self.learn_ways(job, transport, photons::count(job.settings));
+    }
+
+    /// Learns what of the lamps can be seen.
+    pub fn learn_exposure<T: Transport>(&mut self, job: &Job, transport: &T) {
         if self.heuristic.is_some() {
             exposure::limit_to_exposed(job, transport, &mut self.lights);
-            self.guide = photons::guide(job.scene, transport, &self.lights);
+        }
+    }
+
+    /// Learns from a number of photons where light comes from through mirrors and glass.
+    pub fn learn_ways<T: Transport>(&mut self, job: &Job, transport: &T, photons: u32) {
+        if self.heuristic.is_some() {
+            self.guide = photons::guide(job.scene, transport, &self.lights, photons);
         }
     }
 

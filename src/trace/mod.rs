@@ -12,6 +12,7 @@ mod paper;
 mod path;
 mod per_pixel;
 mod photons;
+mod probe;
 mod samples;
 mod shoot;
 pub mod stages;
@@ -34,8 +35,7 @@ use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
 use crate::geodesic::{Arc, Control};
-use crate::scene::{Baked, Precision, SamplerKind, SpacetimeKind};
-use crate::shade::Sampler;
+use crate::scene::{Baked, Precision, SpacetimeKind};
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::march::march;
 use curved::{Curved, Lane};
@@ -44,6 +44,7 @@ pub use fate::Fate;
 use illumination::Illumination;
 pub use illumination::{LightSummary, light_sampling};
 use paper::PaperMarch;
+pub use probe::{Probe, Reading, probe};
 use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
@@ -69,6 +70,13 @@ pub struct Run {
     pub crop: Option<[usize; 4]>,
     /// Planes beside the beauty.
     pub aovs: Vec<Aov>,
+}
+
+impl Run {
+    /// Bytes that sums over samples take for each pixel.
+    pub fn pixel_bytes(&self) -> usize {
+        Tile::pixel_bytes(Wanted::new(&self.aovs, self.noise.is_some()))
+    }
 }
 
 impl Default for Run {
@@ -111,9 +119,23 @@ pub fn render(
     cancel: &AtomicBool,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Rendered {
+    with_render_transport(scene, Renderer { scene, run, cancel, progress })
+}
+
+/// Does `work` on so many threads, 0 for one per core.
+fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        // Without a pool of its own the work shares rayon's.
+        Err(_) => work(),
+    }
+}
+
+/// Runs `errand` with the transport of a render.
+fn with_render_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     // Without a sky nobody asks where rays go that leave.
     let sky = !scene.environment.is_black();
-    with_transport_to(scene, f64::INFINITY, sky, Renderer { scene, run, cancel, progress })
+    with_transport_to(scene, f64::INFINITY, sky, errand)
 }
 
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
@@ -200,21 +222,13 @@ impl Errand for Renderer<'_> {
 
     fn run<T: Transport>(self, transport: &T) -> Rendered {
         let (settings, run) = (&self.scene.settings, self.run);
-        let sampler = match settings.sampler {
-            SamplerKind::Sobol => Sampler::sobol(settings.seed),
-            SamplerKind::Independent => Sampler::independent(settings.seed),
-        };
-        let mut job = Job { scene: self.scene, settings, sampler, illumination: None };
+        let mut job = Job::new(self.scene, settings);
         let wanted = Wanted::new(&run.aovs, run.noise.is_some());
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         let mut tiles = tile::cover((x0, y0), (x1 - x0, y1 - y0), wanted);
         let started = Instant::now();
         let (counters, times, threads) =
-            match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
-                Ok(pool) => pool.install(|| self.work(&mut job, transport, &mut tiles, wanted, started)),
-                // Without a pool of its own the render shares rayon's.
-                Err(_) => self.work(&mut job, transport, &mut tiles, wanted, started),
-            };
+            on_threads(run.threads, || self.work(&mut job, transport, &mut tiles, wanted, started));
         let mut image = Image {
             width: settings.width,
             height: settings.height,
@@ -223,8 +237,8 @@ impl Errand for Renderer<'_> {
             planes: Vec::new(),
             attributes: Vec::new(),
         };
-        tile::assemble(&tiles, &run.aovs, &mut image);
         let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
+        tile::assemble(tiles, &run.aovs, &mut image);
         image.attributes = self.attributes(spp);
         Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
     }
@@ -271,7 +285,7 @@ impl Renderer<'_> {
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
         let workers = Workers::new(job, transport, wanted, self.run.batch);
-        let edges: Vec<Edges> = tiles.par_iter().map(|tile| workers.own().edges(tile)).collect();
+        let mut edges: Vec<Option<Edges>> = vec![None; tiles.len()];
         let pixels: u64 = tiles.iter().map(|tile| (tile.size.0 * tile.size.1) as u64).sum();
         let (done, total) = (AtomicU64::new(0), pixels * u64::from(job.settings.spp));
         let mut first_passes = FIRST_PASSES.into_iter();
@@ -279,10 +293,11 @@ impl Renderer<'_> {
         while left > 0 && !self.should_stop(started) {
             let count = first_passes.next().unwrap_or(PASS).min(left);
             left -= count;
-            tiles.par_iter_mut().zip(&edges).for_each(|(tile, edges)| {
+            tiles.par_iter_mut().zip(&mut edges).for_each(|(tile, edges)| {
                 if self.should_stop(started) {
                     return;
                 }
+                let edges = edges.get_or_insert_with(|| workers.own().edges(tile.origin, tile.size));
                 let paths = workers.own().add_samples(tile, edges, count);
                 let done = done.fetch_add(paths, Ordering::Relaxed) + paths;
                 (self.progress)(Progress { done, total });

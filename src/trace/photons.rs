@@ -7,7 +7,7 @@ use super::shoot::{Ray, Shot, follow};
 use super::stages::scatter::incidence;
 use super::transport::{Outcome, Transport};
 use crate::light::{Emitter, Guide, Lights, Photon, View};
-use crate::scene::Baked;
+use crate::scene::{Baked, Settings};
 use crate::shade::{self, Media, Sampler};
 
 /// Photons for each pixel of the picture, and the fewest and the most in all.
@@ -22,9 +22,14 @@ pub fn is_useful(scene: &Baked) -> bool {
     scene.materials.iter().any(|material| material.is_specular())
 }
 
-/// Sends photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
+/// Photons that a picture is worth.
+pub fn count(settings: &Settings) -> u32 {
+    (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
+}
+
+/// Sends `count` photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
 /// glass, no surfaces that emit.
-pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Option<Guide> {
+pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
     let powers: Vec<f64> = lights
         .emitters()
         .iter()
@@ -38,7 +43,6 @@ pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights) -> Opt
         return None;
     }
     let sampler = Sampler::independent(scene.settings.seed);
-    let count = (PER_PIXEL * scene.settings.width * scene.settings.height).clamp(FEWEST, MOST) as u32;
     let photons: Vec<Photon> = (0..count)
         .into_par_iter()
         .filter_map(|index| {

@@ -37,6 +37,15 @@ struct FirstSums {
 }
 
 impl Tile {
+    /// Bytes for each pixel.
+    pub fn pixel_bytes(wanted: Wanted) -> usize {
+        let optional = |yes: bool, bytes: usize| if yes { bytes } else { 0 };
+        size_of::<[f64; 4]>()
+            + optional(wanted.variance, size_of::<[f64; 3]>())
+            + optional(wanted.first_hit, size_of::<FirstSums>())
+            + optional(wanted.steps, size_of::<u64>())
+    }
+
     /// An empty tile.
     pub fn new(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Self {
         let pixels = size.0 * size.1;
@@ -159,12 +168,14 @@ pub fn cover(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Ve
 }
 
 /// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`.
-pub fn assemble(tiles: &[Tile], aovs: &[Aov], image: &mut Image) {
+///
+/// Tiles go as the planes fill, last first: what was allocated last is what an allocator gives back.
+pub fn assemble(mut tiles: Vec<Tile>, aovs: &[Aov], image: &mut Image) {
     let (width, height) = image.size;
     let names = BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));
     image.planes =
         names.map(|name| Plane { name: name.to_string(), values: vec![0.0; width * height] }).collect();
-    for tile in tiles {
+    while let Some(tile) = tiles.pop() {
         for pixel in 0..tile.size.0 * tile.size.1 {
             let x = tile.origin.0 - image.origin.0 + pixel % tile.size.0;
             let y = tile.origin.1 - image.origin.1 + pixel / tile.size.0;

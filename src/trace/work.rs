@@ -3,7 +3,7 @@
 use super::edges::Edges;
 use super::illumination::Illumination;
 use super::path::Gathers;
-use crate::scene::{Baked, Settings};
+use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::Sampler;
 
 /// What every kernel may read.
@@ -18,6 +18,17 @@ pub struct Job<'a> {
     pub illumination: Option<Illumination>,
 }
 
+impl<'a> Job<'a> {
+    /// A render of `scene` under `settings`, before anything is known of its lights.
+    pub fn new(scene: &'a Baked, settings: &'a Settings) -> Self {
+        let sampler = match settings.sampler {
+            SamplerKind::Sobol => Sampler::sobol(settings.seed),
+            SamplerKind::Independent => Sampler::independent(settings.seed),
+        };
+        Self { scene, settings, sampler, illumination: None }
+    }
+}
+
 /// Some samples of the pixels of a tile.
 #[derive(Clone, Copy)]
 pub struct Work<'a> {
@@ -25,12 +36,38 @@ pub struct Work<'a> {
     pub origin: (usize, usize),
     /// Columns and rows.
     pub size: (usize, usize),
+    /// Which columns and rows these are.
+    pub lattice: Lattice,
     /// First sample.
     pub first_sample: u32,
     /// Samples per pixel.
     pub samples: u32,
     /// What the paths gather, and in which pixels.
     pub share: Share<'a>,
+}
+
+/// Columns, or rows, that are taken: the first `run` of every `every`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lattice {
+    /// Neighbours that are taken.
+    pub run: usize,
+    /// From the first of them to the first of the next, at least `run`.
+    pub every: usize,
+}
+
+impl Lattice {
+    /// All of them.
+    pub const ALL: Self = Self { run: 1, every: 1 };
+
+    /// How many of the first `extent` are taken.
+    pub fn count(self, extent: usize) -> usize {
+        extent / self.every * self.run + (extent % self.every).min(self.run)
+    }
+
+    /// The place of the taken one with this number.
+    fn place(self, number: usize) -> usize {
+        number / self.run * self.every + number % self.run
+    }
 }
 
 /// Which pixels' light is gathered by a piece of work, and which part of it.
@@ -63,7 +100,22 @@ impl Work<'_> {
             Share::Edges(edges) => (edges.pixels()[number as usize], Gathers::Lamps),
             Share::Lamps => (number, Gathers::Lamps),
         };
-        let pixel = pixel as usize;
-        ((self.origin.0 + pixel % self.size.0, self.origin.1 + pixel / self.size.0), gathers)
+        let (column, row) = (pixel as usize % self.size.0, pixel as usize / self.size.0);
+        let place = |number| self.lattice.place(number);
+        ((self.origin.0 + place(column), self.origin.1 + place(row)), gathers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lattice_takes_runs_at_even_distances() {
+        let lattice = Lattice { run: 2, every: 5 };
+        let places: Vec<usize> = (0..lattice.count(12)).map(|number| lattice.place(number)).collect();
+        assert_eq!(places, [0, 1, 5, 6, 10, 11]);
+        assert_eq!(lattice.count(11), 5);
+        assert_eq!((Lattice::ALL.count(7), Lattice::ALL.place(3)), (7, 3));
     }
 }

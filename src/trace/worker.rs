@@ -9,7 +9,7 @@ use super::stats::{Counters, StageTimes};
 use super::tile::Tile;
 use super::transport::Transport;
 use super::wavefront::Wavefront;
-use super::work::{Job, Share, Work};
+use super::work::{Job, Lattice, Share, Work};
 use crate::scene::Schedule;
 
 /// The worker threads of a render.
@@ -19,6 +19,7 @@ pub struct Workers<'a, T: Transport>(Vec<Mutex<Worker<'a, T>>>);
 pub struct Worker<'a, T: Transport> {
     job: &'a Job<'a>,
     transport: &'a T,
+    schedule: Schedule,
     wanted: Wanted,
     wavefront: Wavefront<T>,
     counters: Counters,
@@ -26,11 +27,23 @@ pub struct Worker<'a, T: Transport> {
 }
 
 impl<'a, T: Transport> Workers<'a, T> {
-    /// One for each of rayon's threads, with wavefronts of `batch` lanes.
+    /// One for each of rayon's threads, with wavefronts of `batch` lanes, by the schedule of the settings.
     pub fn new(job: &'a Job<'a>, transport: &'a T, wanted: Wanted, batch: usize) -> Self {
+        Self::scheduled(job, transport, wanted, batch, job.settings.schedule)
+    }
+
+    /// The same by another schedule.
+    pub fn scheduled(
+        job: &'a Job<'a>,
+        transport: &'a T,
+        wanted: Wanted,
+        batch: usize,
+        schedule: Schedule,
+    ) -> Self {
         let worker = || Worker {
             job,
             transport,
+            schedule,
             wanted,
             wavefront: Wavefront::new(batch),
             counters: Counters::default(),
@@ -58,19 +71,20 @@ impl<'a, T: Transport> Workers<'a, T> {
 }
 
 impl<T: Transport> Worker<'_, T> {
-    /// Where `tile` sees edges of lamps.
-    pub fn edges(&mut self, tile: &Tile) -> Edges {
+    /// Where the part of the picture that starts at `origin`, of `size` pixels, sees edges of lamps.
+    pub fn edges(&mut self, origin: (usize, usize), size: (usize, usize)) -> Edges {
         let settings = self.job.settings;
         if !Edges::are_useful(self.job.scene) {
             return Edges::default();
         }
-        Edges::find((tile.origin, tile.size), settings, |work| self.trace(work, Wanted::default()))
+        Edges::find((origin, size), settings, |work| self.trace(work, Wanted::default()))
     }
 
     /// Adds `count` samples to each pixel of `tile`: how many camera paths that were.
     pub fn add_samples(&mut self, tile: &mut Tile, edges: &Edges, count: u32) -> u64 {
         let Tile { origin, size, spp: first_sample, .. } = *tile;
-        let work = Work { origin, size, first_sample, samples: count, share: Share::Whole(edges) };
+        let share = Share::Whole(edges);
+        let work = Work { origin, size, lattice: Lattice::ALL, first_sample, samples: count, share };
         let mut samples = self.trace(&work, self.wanted);
         if let Some(work) = edges.work(&work) {
             edges.add(&self.trace(&work, Wanted::default()), count, &mut samples);
@@ -79,11 +93,11 @@ impl<T: Transport> Worker<'_, T> {
         u64::from(work.paths())
     }
 
-    /// The samples of `work`, by the schedule of the settings.
-    fn trace(&mut self, work: &Work, wanted: Wanted) -> Samples {
+    /// The samples of `work`.
+    pub fn trace(&mut self, work: &Work, wanted: Wanted) -> Samples {
         let mut samples = Samples::new(wanted, work.paths() as usize);
-        let Self { job, transport, wavefront, counters, times, .. } = self;
-        match job.settings.schedule {
+        let Self { job, transport, schedule, wavefront, counters, times, .. } = self;
+        match schedule {
             Schedule::Wavefront => wavefront.trace(job, *transport, work, &mut samples, counters, times),
             Schedule::PerPixel => per_pixel::trace(job, *transport, work, &mut samples, counters),
         }

@@ -42,11 +42,11 @@ fn read<T: Copy>(
         Some(view) => {
             let bytes = buffers.view(&view)?;
             let stride = view.stride().filter(|stride| *stride > 0).unwrap_or(size);
-            let elements = strided(bytes, accessor.offset(), stride, size, count);
-            elements
-                .ok_or_else(|| damaged(accessor, "reaches beyond its buffer view"))?
-                .map(&decode)
-                .collect()
+            let elements = strided(bytes, accessor.offset(), stride, size, count)
+                .ok_or_else(|| damaged(accessor, "reaches beyond its buffer view"))?;
+            let mut values = Vec::with_capacity(count);
+            values.extend(elements.map(&decode));
+            values
         }
         None if count <= MAX_IMPLICIT => vec![decode(&vec![0; size]); count],
         None => return Err(damaged(accessor, "has too many elements")),

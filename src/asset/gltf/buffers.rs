@@ -9,7 +9,7 @@ use crate::asset::error::Flaw;
 pub(super) struct Buffers<'a> {
     gltf: &'a gltf::Gltf,
     folder: &'a Path,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Buffers<'a> {
@@ -17,10 +17,10 @@ impl<'a> Buffers<'a> {
     pub fn read(gltf: &'a gltf::Gltf, folder: &'a Path) -> Result<Self, Flaw> {
         let read = |buffer: gltf::Buffer| {
             let bytes = match buffer.source() {
-                gltf::buffer::Source::Bin => gltf.blob.clone().ok_or_else(|| {
+                gltf::buffer::Source::Bin => gltf.blob.as_deref().map(Cow::Borrowed).ok_or_else(|| {
                     Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
                 }),
-                gltf::buffer::Source::Uri(uri) => read_uri(uri, folder),
+                gltf::buffer::Source::Uri(uri) => read_uri(uri, folder).map(Cow::Owned),
             }
             .map_err(|flaw| flaw.at(format!("buffer {}", buffer.index())))?;
             if bytes.len() >= buffer.length() {

@@ -27,8 +27,8 @@ use buffers::Buffers;
 /// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
 /// an intensity or cone angles that make no sense.
 pub fn load(path: &Path) -> Result<Model, AssetError> {
-    let bytes = AssetError::read(path)?;
-    let gltf = validate::parse(&bytes).map_err(|flaw| AssetError::content(path, flaw))?;
+    // The bytes are gone before the meshes are there.
+    let gltf = validate::parse(&AssetError::read(path)?).map_err(|flaw| AssetError::content(path, flaw))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = Import::default();
     import.document(&gltf, folder).map_err(|flaw| AssetError::content(path, flaw))?;

@@ -1,7 +1,10 @@
 //! Wavefront OBJ files, parsed by `tobj` after a check that tells the line of whatever is wrong.
 
+mod check;
+mod lossy;
+mod merge;
+
 use std::cell::RefCell;
-use std::io::Cursor;
 use std::path::Path;
 
 use glam::DAffine3;
@@ -13,6 +16,8 @@ use super::notes::Notes;
 use super::tidy::tidy;
 use crate::geometry::Mesh;
 use crate::shade::Material;
+use lossy::Lossy;
+use merge::merge;
 
 /// Reads an OBJ file and the material libraries that it names.
 ///
@@ -21,17 +26,27 @@ use crate::shade::Material;
 /// # Errors
 /// The file cannot be read, a number is malformed or not finite, an index is out of range, or there is no triangle.
 pub fn load(path: &Path) -> Result<Model, AssetError> {
-    let text = String::from_utf8_lossy(&AssetError::read(path)?).into_owned();
-    let notes = RefCell::new(Notes::default());
     let content = |flaw| AssetError::content(path, flaw);
-    check_lines(&text, &mut notes.borrow_mut()).map_err(content)?;
-    let options =
-        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let unread = |source| AssetError::Read { path: path.to_owned(), source };
+    let checked = check::check(Lossy::open(path)?).map_err(unread)?.map_err(content)?;
+    let notes = RefCell::new(Notes::default());
+    if checked.edges > 0 {
+        let kind = "line elements have no surface and are ignored";
+        notes.borrow_mut().add(kind, checked.edges.to_string());
+    }
+    let options = tobj::LoadOptions {
+        // One index for all takes `tobj` a hash table as large as the rest of the mesh, several indices a guess where
+        // a normal is missing.
+        single_index: checked.has_partial_normals(),
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+    };
     let library = |file: &Path| {
         let file = path.parent().unwrap_or(Path::new("")).join(file);
         mtl::load(&file, &mut notes.borrow_mut())
     };
-    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(text), &options, library)
+    let (models, materials) = tobj::load_obj_buf(&mut Lossy::open(path)?, &options, library)
         .map_err(|error| content(Flaw::new(error.to_string(), "fix the file or export it again")))?;
     let mut notes = notes.into_inner();
     let materials = materials.unwrap_or_default();
@@ -59,17 +74,23 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
 /// Adds one mesh to the node of its object; returns the number of degenerate triangles dropped.
 fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<usize, Flaw> {
     let name = part.name;
-    let mut mesh = Mesh {
-        positions: part.mesh.positions.as_chunks().0.to_vec(),
-        normals: part.mesh.normals.as_chunks().0.to_vec(),
-        triangles: part.mesh.indices.as_chunks().0.to_vec(),
+    let tobj::Mesh { positions, normals, indices, normal_indices, material_id, .. } = part.mesh;
+    let mut mesh = if normal_indices.is_empty() {
+        let is_complete = normals.len() == positions.len();
+        if !is_complete && !normals.is_empty() {
+            notes.add("normals on some faces only, so shaded flat", &name);
+        }
+        Mesh {
+            positions: positions.as_chunks().0.to_vec(),
+            normals: if is_complete { normals.as_chunks().0.to_vec() } else { Vec::new() },
+            triangles: indices.as_chunks().0.to_vec(),
+        }
+    } else {
+        merge(&positions, &normals, &indices, &normal_indices)
     };
-    if !mesh.normals.is_empty() && mesh.normals.len() != mesh.positions.len() {
-        notes.add("normals on some faces only, so shaded flat", &name);
-        mesh.normals.clear();
-    }
+    drop((positions, normals, indices, normal_indices));
     let dropped = tidy(&mut mesh).map_err(|flaw| flaw.at(format!("object `{name}`")))?;
-    let material = part.mesh.material_id.unwrap_or_else(|| default_material(model));
+    let material = material_id.unwrap_or_else(|| default_material(model));
     let part = Part { mesh: model.meshes.len(), material };
     model.meshes.push(mesh);
     match model.nodes.last_mut().filter(|node| node.name == name) {
@@ -93,92 +114,6 @@ fn default_material(model: &mut Model) -> usize {
         model.materials.push(Material::default());
         model.materials.len() - 1
     })
-}
-
-/// How many positions, texture coordinates and normals there are.
-type Counts = [i64; 3];
-
-const INDEX_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
-
-/// Checks vertices and faces line by line.
-///
-/// `tobj` says what is wrong but not where, and computes with any index that it is given, so indices are checked
-/// here.
-fn check_lines(text: &str, notes: &mut Notes) -> Result<(), Flaw> {
-    let keyword = |line: &str| line.split_whitespace().next().and_then(column_of);
-    let mut total: Counts = [0; 3];
-    for column in text.lines().filter_map(keyword) {
-        total[column] += 1;
-    }
-    let mut so_far: Counts = [0; 3];
-    let mut edges = 0;
-    for (index, line) in text.lines().enumerate() {
-        let mut words = line.split_whitespace();
-        let word = words.next().unwrap_or_default();
-        let checked = match (column_of(word), word) {
-            (Some(column), _) => {
-                so_far[column] += 1;
-                check_numbers(words, INDEX_NAMES[column])
-            }
-            (None, "f") => words.try_for_each(|corner| check_corner(corner, so_far, total)),
-            (None, "l") => {
-                edges += 1;
-                words.try_for_each(|corner| check_corner(corner, so_far, total))
-            }
-            _ => Ok(()),
-        };
-        checked.map_err(|flaw| flaw.at(format!("line {}", index + 1)))?;
-    }
-    if edges > 0 {
-        notes.add("line elements have no surface and are ignored", edges.to_string());
-    }
-    Ok(())
-}
-
-fn column_of(word: &str) -> Option<usize> {
-    ["v", "vt", "vn"].iter().position(|known| *known == word)
-}
-
-fn check_numbers<'a>(words: impl Iterator<Item = &'a str>, what: &str) -> Result<(), Flaw> {
-    for word in words {
-        // A normal that is not finite is repaired later; exporters write them for degenerate faces.
-        let finite = word.parse::<f32>().map_err(|_| {
-            Flaw::new(format!("`{word}` is not a number"), "write the coordinates as decimal numbers")
-        })?;
-        if !finite.is_finite() && what == INDEX_NAMES[0] {
-            return Err(Flaw::new(
-                format!("the {what} is not finite: `{word}`"),
-                "fix the vertex in the modelling program and export again",
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// Checks a face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-fn check_corner(corner: &str, so_far: Counts, total: Counts) -> Result<(), Flaw> {
-    let malformed = || {
-        Flaw::new(format!("`{corner}` is not a face corner"), "write corners as v, v/vt, v//vn or v/vt/vn")
-    };
-    for (column, word) in corner.split('/').enumerate() {
-        if word.is_empty() && column > 0 {
-            continue;
-        }
-        let index: i64 = word.parse().map_err(|_| malformed())?;
-        let (Some(name), Some(&before), Some(&all)) =
-            (INDEX_NAMES.get(column), so_far.get(column), total.get(column))
-        else {
-            return Err(malformed());
-        };
-        let in_range = (1..=all).contains(&index) || (-before..=-1).contains(&index);
-        if !in_range {
-            return Err(Flaw::new(
-                format!("{name} index {index} is out of range: the file has {all}"),
-                "indices count from 1, or backwards from -1; the file is damaged or cut off",
-            ));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -220,13 +155,34 @@ mod tests {
     }
 
     #[test]
+    fn flat_faces_with_normals_of_their_own_keep_them() {
+        let normals = "vn 0 0 1\nvn 0 0 2\n";
+        let model = load_text(&format!("{SQUARE}{normals}f 1//1 2//1 3//1\nf 1//2 3//2 4//2\n"), "").unwrap();
+        let mesh = &model.meshes[0];
+        assert_eq!(mesh.positions.len(), 6);
+        let normals =
+            mesh.triangles.iter().map(|triangle| triangle.map(|vertex| mesh.normals[vertex as usize][2]));
+        assert_eq!(normals.collect::<Vec<_>>(), [[1.0; 3], [2.0; 3]]);
+    }
+
+    #[test]
+    fn an_object_without_normals_gets_none_from_its_neighbours() {
+        let faces = "o bare\nf 1 2 3\no mixed\nf 1//1 2//1 3//1\nf 1 2 4\no smooth\nf 1//1 3//1 4//1\n";
+        let model = load_text(&format!("{SQUARE}vn 0 0 1\n{faces}"), "").unwrap();
+        let normals: Vec<usize> = model.meshes.iter().map(|mesh| mesh.normals.len()).collect();
+        assert_eq!(normals, [0, 0, 3]);
+        assert!(model.warnings[0].ends_with("normals on some faces only, so shaded flat: mixed"));
+    }
+
+    #[test]
     fn malformed_lines_are_named() {
         for (tail, expected) in [
             ("f 1 2 9", "line 5: vertex index 9 is out of range: the file has 4"),
             ("f 1 2 0", "line 5: vertex index 0 is out of range"),
             ("f 1 2 -9223372036854775808", "line 5: vertex index"),
             ("f 1//9223372036854775807 2 3", "line 5: normal index"),
-            ("f 1/2/3/4 2 3", "line 5: texture coordinate index"),
+            ("f 1/1 2 3", "line 5: texture coordinate index"),
+            ("f 1/2/3/4 2 3", "line 5: `1/2/3/4` is not a face corner"),
             ("f a b c", "line 5: `a` is not a face corner"),
             ("v 1 nan 2", "line 5: the vertex is not finite: `nan`"),
             ("v 1 1e99 2", "line 5: the vertex is not finite"),

@@ -1,0 +1,71 @@
+//! Text files in whatever encoding, line by line: what is not UTF-8 is replaced, and no file is held in memory.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+
+use crate::asset::error::AssetError;
+
+/// Bytes read from disk at once.
+const CHUNK: usize = 1 << 18;
+
+/// A reader of UTF-8.
+pub(super) struct Lossy<R> {
+    inner: R,
+    line: Vec<u8>,
+    /// Bytes of the line that have been read.
+    read: usize,
+}
+
+impl Lossy<BufReader<File>> {
+    /// Opens a file.
+    pub fn open(path: &Path) -> Result<Self, AssetError> {
+        let file = File::open(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })?;
+        Ok(Self::new(BufReader::with_capacity(CHUNK, file)))
+    }
+}
+
+impl<R: BufRead> Lossy<R> {
+    /// A reader of what `inner` gives.
+    pub fn new(inner: R) -> Self {
+        Self { inner, line: Vec::new(), read: 0 }
+    }
+}
+
+impl<R: BufRead> Read for Lossy<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(buffer)?;
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl<R: BufRead> BufRead for Lossy<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.read == self.line.len() {
+            self.line.clear();
+            self.read = 0;
+            self.inner.read_until(b'\n', &mut self.line)?;
+            if std::str::from_utf8(&self.line).is_err() {
+                self.line = String::from_utf8_lossy(&self.line).into_owned().into_bytes();
+            }
+        }
+        Ok(&self.line[self.read..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.read += count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_utf8_is_replaced_and_the_rest_stays() {
+        let bytes = b"o caf\xe9\r\nv 1\n\nend";
+        let lines: Vec<String> = Lossy::new(&bytes[..]).lines().map(Result::unwrap).collect();
+        assert_eq!(lines, ["o caf\u{fffd}", "v 1", "", "end"]);
+    }
+}

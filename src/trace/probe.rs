@@ -1,0 +1,231 @@
+//! A short look at what a render costs: the kernels themselves, over sparse parts of the picture.
+//!
+//! Each worker takes turns. A turn traces a few samples of pixels that lie evenly all over the picture, by either
+//! schedule, and all that is done for edges of lamps in a small neighbourhood. No turn sees the same pixels as another.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use super::edges::Edges;
+use super::illumination::Illumination;
+use super::photons;
+use super::samples::Wanted;
+use super::tile::TILE;
+use super::transport::{Errand, Transport};
+use super::work::{Job, Lattice, Share, Work};
+use super::worker::{Worker, Workers};
+use super::{Run, on_threads, with_render_transport};
+use crate::scene::{Baked, Schedule, Settings};
+
+/// Samples of each pixel that is looked at, at most: as many as a pass of a render takes.
+const SAMPLES: u32 = 16;
+/// Paths of pixels beside each other, so that they find in the caches what the others needed, as in a render.
+const NEIGHBOURS: f64 = 256.0;
+/// Paths of a turn, at least and at most.
+const PATHS: (f64, f64) = (256.0, 4096.0);
+/// Time that a turn should take at most, relative to that of the probe.
+const TURN: f64 = 0.05;
+/// Photons sent at most: what they cost is proportional to their number.
+const PHOTONS: u32 = 1 << 15;
+/// Columns and rows of a neighbourhood in which edges are looked for.
+const NEIGHBOURHOOD: usize = 8;
+/// Samples for whose number edges are looked for at most: there are hardly more to be found.
+const EDGE_SPP: u32 = 256;
+/// Samples that are taken of the edges found.
+const EDGE_SAMPLES: u32 = 2;
+
+/// What a render costs.
+#[derive(Clone, Debug)]
+pub struct Probe {
+    /// Worker threads.
+    pub threads: usize,
+    /// Wall time of what light sampling learns before the first sample, seconds.
+    pub learning: f64,
+    /// Pixels that are rendered.
+    pub pixels: usize,
+    /// Tiles that they are in; workers take them whole.
+    pub tiles: usize,
+    /// One of each turn.
+    pub readings: Vec<Reading>,
+}
+
+/// What a turn tells: thread time, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// A camera path in the wavefront schedule.
+    pub wavefront: f64,
+    /// A camera path in the per-pixel schedule.
+    pub per_pixel: f64,
+    /// Edges of lamps, for each pixel of the picture and all its samples.
+    pub edges: f64,
+}
+
+/// Looks for about `limit` at what rendering `scene` by `run` costs; without end for an endless one.
+pub fn probe(scene: &Baked, run: &Run, limit: Duration) -> Probe {
+    with_render_transport(scene, Prober { scene, run, limit })
+}
+
+struct Prober<'a> {
+    scene: &'a Baked,
+    run: &'a Run,
+    limit: Duration,
+}
+
+impl Errand for Prober<'_> {
+    type Output = Probe;
+
+    fn run<T: Transport>(self, transport: &T) -> Probe {
+        on_threads(self.run.threads, || self.look(transport))
+    }
+}
+
+impl Prober<'_> {
+    fn look<T: Transport>(&self, transport: &T) -> Probe {
+        let started = Instant::now();
+        let spp = self.scene.settings.spp.min(EDGE_SPP);
+        let settings = Settings { spp, ..self.scene.settings.clone() };
+        let mut job = Job::new(self.scene, &settings);
+        let learning = learn(&mut job, transport);
+        let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
+        let workers = |schedule| Workers::scheduled(&job, transport, wanted, self.run.batch, schedule);
+        let (wavefront, per_pixel) = (workers(Schedule::Wavefront), workers(Schedule::PerPixel));
+        let samples = settings.spp.min(SAMPLES);
+        let (next, readings) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let (window, time) = (Window::of(&settings, self.run), self.limit.mul_f64(TURN).as_secs_f64());
+        rayon::broadcast(|_| {
+            let take = |turn: usize, paths: f64| {
+                let lattice = window.lattice(samples, paths);
+                let look = Look { turn, window, lattice, samples, wanted };
+                let (mut wavefront, mut per_pixel) = (wavefront.own(), per_pixel.own());
+                let edges = match settings.schedule {
+                    Schedule::Wavefront => &mut wavefront,
+                    Schedule::PerPixel => &mut per_pixel,
+                };
+                let edges = look.edges(edges, self.scene);
+                Reading {
+                    wavefront: look.paths(&mut wavefront),
+                    per_pixel: look.paths(&mut per_pixel),
+                    edges,
+                }
+            };
+            // The first turn warms up caches and tells how much a turn can look at.
+            let Reading { wavefront, per_pixel, .. } = take(0, PATHS.0);
+            let paths = time / (wavefront + per_pixel);
+            loop {
+                let reading = take(next.fetch_add(1, Ordering::Relaxed) + 1, paths);
+                readings.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(reading);
+                if started.elapsed() >= self.limit {
+                    break;
+                }
+            }
+        });
+        let readings = readings.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let Window { size: (width, height), .. } = window;
+        let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
+        Probe { threads: rayon::current_num_threads(), learning, pixels: width * height, tiles, readings }
+    }
+}
+
+/// Learns what there is to learn of the lights, from fewer photons than a render; the seconds that it takes a render.
+fn learn<T: Transport>(job: &mut Job, transport: &T) -> f64 {
+    let started = Instant::now();
+    let Some(mut illumination) = Illumination::of(job.scene) else { return 0.0 };
+    illumination.learn_exposure(job, transport);
+    let before = started.elapsed().as_secs_f64();
+    let photons = photons::count(job.settings);
+    let sent = photons.min(PHOTONS);
+    illumination.learn_ways(job, transport, sent);
+    let sending = started.elapsed().as_secs_f64() - before;
+    job.illumination = Some(illumination);
+    before + sending * f64::from(photons) / f64::from(sent)
+}
+
+/// The part of the picture that is rendered.
+#[derive(Clone, Copy)]
+struct Window {
+    origin: (usize, usize),
+    size: (usize, usize),
+}
+
+impl Window {
+    fn of(settings: &Settings, run: &Run) -> Self {
+        let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
+        Self { origin: (x0, y0), size: (x1 - x0, y1 - y0) }
+    }
+
+    /// Pixels that are spread evenly, for about so many paths of `samples` each.
+    fn lattice(&self, samples: u32, paths: f64) -> Lattice {
+        let shortest = self.size.0.min(self.size.1);
+        let run = ((NEIGHBOURS / f64::from(samples)).sqrt() as usize).min(shortest);
+        let pixels = paths.clamp(PATHS.0, PATHS.1) / f64::from(samples);
+        let thinned = ((self.size.0 * self.size.1) as f64 / pixels).sqrt();
+        let every = (run as f64 * thinned).ceil() as usize;
+        Lattice { run, every: every.clamp(run, shortest) }
+    }
+}
+
+/// Where a turn looks.
+#[derive(Clone, Copy)]
+struct Look {
+    turn: usize,
+    window: Window,
+    lattice: Lattice,
+    samples: u32,
+    wanted: Wanted,
+}
+
+impl Look {
+    /// A point of the unit square for each turn, far from those of other turns: Roberts' sequence of the plastic number.
+    fn spot(&self, within: (usize, usize)) -> (usize, usize) {
+        let at = |ratio: f64, size: usize| ((self.turn as f64 * ratio).fract() * size as f64) as usize;
+        (at(0.754_877_666_246_692_8, within.0), at(0.569_840_290_998_053_3, within.1))
+    }
+
+    /// Seconds that a camera path takes, over the whole picture.
+    fn paths<T: Transport>(&self, worker: &mut Worker<T>) -> f64 {
+        let Window { origin, size } = self.window;
+        let Self { lattice, samples, .. } = *self;
+        let (x, y) = self.spot((lattice.every, lattice.every));
+        let none = Edges::default();
+        let work = Work {
+            origin: (origin.0 + x, origin.1 + y),
+            size: (lattice.count(size.0 - x), lattice.count(size.1 - y)),
+            lattice,
+            first_sample: samples * self.turn as u32,
+            samples,
+            share: Share::Whole(&none),
+        };
+        let started = Instant::now();
+        worker.trace(&work, self.wanted);
+        started.elapsed().as_secs_f64() / f64::from(work.paths())
+    }
+
+    /// Seconds for each pixel that edges of lamps take in a neighbourhood: to find them and to look at them closely.
+    fn edges<T: Transport>(&self, worker: &mut Worker<T>, scene: &Baked) -> f64 {
+        if !Edges::are_useful(scene) {
+            return 0.0;
+        }
+        let Window { origin, size } = self.window;
+        let size = (size.0.min(NEIGHBOURHOOD), size.1.min(NEIGHBOURHOOD));
+        let (x, y) = self.spot((self.window.size.0 - size.0 + 1, self.window.size.1 - size.1 + 1));
+        let origin = (origin.0 + x, origin.1 + y);
+        let started = Instant::now();
+        let edges = worker.edges(origin, size);
+        let finding = started.elapsed().as_secs_f64();
+        let (first_sample, samples) = (0, EDGE_SAMPLES);
+        let work =
+            Work { origin, size, lattice: Lattice::ALL, first_sample, samples, share: Share::Whole(&edges) };
+        let started = Instant::now();
+        if let Some(work) = edges.work(&work) {
+            worker.trace(&work, Wanted::default());
+        }
+        let looking = started.elapsed().as_secs_f64();
+        // Neighbourhoods are searched with a rim of one pixel, as tiles are.
+        let rim = |side: usize| (side as f64 + 2.0) / side as f64;
+        let less = rim(TILE) * rim(TILE) / (rim(size.0) * rim(size.1));
+        let spp = f64::from(scene.settings.spp);
+        let probed = spp / f64::from(scene.settings.spp.min(EDGE_SPP));
+        (finding * less * probed + looking * spp / f64::from(samples)) / (size.0 * size.1) as f64
+    }
+}
