@@ -10,6 +10,8 @@ use crate::trace::{Run, probe};
 
 /// How long the probe may take.
 const PROBE: Duration = Duration::from_secs(1);
+/// Seconds from which on a part of the time is worth its words.
+const SMALLEST: f64 = 0.005;
 
 /// What rendering `scene` by `run` will take, from a probe of it.
 pub(super) fn forecast(scene: &Baked, run: &Run) -> Forecast {
@@ -25,10 +27,10 @@ pub(super) fn time(forecast: &Forecast) -> String {
         decimal(*paths as f64),
         decimal(*paths as f64 / sampling.value)
     )];
-    if *learning > 0.0 {
+    if *learning >= SMALLEST {
         parts.insert(0, format!("{} to learn of lights", duration(*learning)));
     }
-    if edges.value > 0.0 {
+    if edges.value >= SMALLEST {
         parts.push(format!("{} for edges of lamps", duration(edges.value)));
     }
     let spread = seconds.error.map_or_else(String::new, |error| {
@@ -75,7 +77,7 @@ mod tests {
             learning: 1.25,
             sampling: exactly(80.0),
             edges: exactly(8.75),
-            per_pixel_over_wavefront: Some(exactly(0.5)),
+            per_pixel_over_wavefront: exactly(0.5),
         };
         let words = "about 1m 30s ± 10 % on 2 threads: 1.25s to learn of lights, \
                      1m 20s for 2.00 M paths (25.0 k paths/s), 8.75s for edges of lamps";
@@ -87,7 +89,7 @@ mod tests {
         (forecast.learning, forecast.edges, forecast.threads) = (0.0, exactly(0.0), 1);
         let words = "about 1m 30s ± 10 % on 1 thread: 1m 20s for 2.00 M paths (25.0 k paths/s)";
         assert_eq!(time(&forecast), words);
-        forecast.per_pixel_over_wavefront = None;
+        forecast.per_pixel_over_wavefront = exactly(1.02);
         assert!(schedule(&forecast, Schedule::Wavefront).contains("about the same"));
     }
 }

@@ -3,8 +3,8 @@
 //! Each worker takes turns. A turn traces a few samples of pixels that lie evenly all over the picture, by either
 //! schedule, and all that is done for edges of lamps in a small neighbourhood. No turn sees the same pixels as another.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::edges::Edges;
@@ -21,15 +21,17 @@ use crate::scene::{Baked, Schedule, Settings};
 /// Samples of each pixel that is looked at, at most: as many as a pass of a render takes.
 const SAMPLES: u32 = 16;
 /// Paths of pixels beside each other, so that they find in the caches what the others needed, as in a render.
-const NEIGHBOURS: f64 = 256.0;
+const NEIGHBOURS: f64 = 64.0;
 /// Paths of a turn, at least and at most.
 const PATHS: (f64, f64) = (256.0, 4096.0);
-/// Time that a turn should take at most, relative to that of the probe.
-const TURN: f64 = 0.05;
+/// Time of a turn's paths in the schedule that is set, and in the other, relative to that of the probe.
+const TURN: [f64; 2] = [0.04, 0.015];
 /// Photons sent at most: what they cost is proportional to their number.
 const PHOTONS: u32 = 1 << 15;
 /// Columns and rows of a neighbourhood in which edges are looked for.
 const NEIGHBOURHOOD: usize = 8;
+/// Neighbourhoods of a turn.
+const NEIGHBOURHOODS: usize = 2;
 /// Samples for whose number edges are looked for at most: there are hardly more to be found.
 const EDGE_SPP: u32 = 256;
 /// Samples that are taken of the edges found.
@@ -89,41 +91,68 @@ impl Prober<'_> {
         let learning = learn(&mut job, transport);
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
         let workers = |schedule| Workers::scheduled(&job, transport, wanted, self.run.batch, schedule);
-        let (wavefront, per_pixel) = (workers(Schedule::Wavefront), workers(Schedule::PerPixel));
-        let samples = settings.spp.min(SAMPLES);
+        let turns = Turns {
+            scene: self.scene,
+            window: Window::of(&settings, self.run),
+            samples: settings.spp.min(SAMPLES),
+            wanted,
+            wavefront: workers(Schedule::Wavefront),
+            per_pixel: workers(Schedule::PerPixel),
+        };
         let (next, readings) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-        let (window, time) = (Window::of(&settings, self.run), self.limit.mul_f64(TURN).as_secs_f64());
         rayon::broadcast(|_| {
-            let take = |turn: usize, paths: f64| {
-                let lattice = window.lattice(samples, paths);
-                let look = Look { turn, window, lattice, samples, wanted };
-                let (mut wavefront, mut per_pixel) = (wavefront.own(), per_pixel.own());
-                let edges = match settings.schedule {
-                    Schedule::Wavefront => &mut wavefront,
-                    Schedule::PerPixel => &mut per_pixel,
-                };
-                let edges = look.edges(edges, self.scene);
-                Reading {
-                    wavefront: look.paths(&mut wavefront),
-                    per_pixel: look.paths(&mut per_pixel),
-                    edges,
-                }
-            };
+            let turn = || next.fetch_add(1, Ordering::Relaxed);
             // The first turn warms up caches and tells how much a turn can look at.
-            let Reading { wavefront, per_pixel, .. } = take(0, PATHS.0);
-            let paths = time / (wavefront + per_pixel);
+            let Reading { wavefront, per_pixel, .. } = turns.take(turn(), [PATHS.0; 2]);
+            let [set, other] = TURN.map(|share| share * self.limit.as_secs_f64());
+            let paths = match settings.schedule {
+                Schedule::Wavefront => [set / wavefront, other / per_pixel],
+                Schedule::PerPixel => [other / wavefront, set / per_pixel],
+            };
             loop {
-                let reading = take(next.fetch_add(1, Ordering::Relaxed) + 1, paths);
-                readings.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(reading);
+                let reading = turns.take(turn(), paths);
+                readings.lock().unwrap_or_else(PoisonError::into_inner).push(reading);
                 if started.elapsed() >= self.limit {
                     break;
                 }
             }
         });
-        let readings = readings.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let Window { size: (width, height), .. } = window;
+        let readings = readings.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (width, height) = turns.window.size;
         let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
         Probe { threads: rayon::current_num_threads(), learning, pixels: width * height, tiles, readings }
+    }
+}
+
+/// What all turns have in common.
+struct Turns<'a, T: Transport> {
+    scene: &'a Baked,
+    window: Window,
+    samples: u32,
+    wanted: Wanted,
+    wavefront: Workers<'a, T>,
+    per_pixel: Workers<'a, T>,
+}
+
+impl<T: Transport> Turns<'_, T> {
+    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule.
+    fn take(&self, turn: usize, paths: [f64; 2]) -> Reading {
+        let Self { window, samples, wanted, .. } = *self;
+        let lattices = paths.map(|paths| window.lattice(samples, paths));
+        // Not the same pixels twice: what they need would be in the caches.
+        let look = |number, lattice| Look { number, window, lattice, samples, wanted };
+        let (mut wavefront, mut per_pixel) = (self.wavefront.own(), self.per_pixel.own());
+        let edges = match self.scene.settings.schedule {
+            Schedule::Wavefront => &mut wavefront,
+            Schedule::PerPixel => &mut per_pixel,
+        };
+        let numbers = NEIGHBOURHOODS * turn..NEIGHBOURHOODS * (turn + 1);
+        let found: f64 = numbers.map(|number| look(number, Lattice::ALL).edges(edges, self.scene)).sum();
+        Reading {
+            edges: found / NEIGHBOURHOODS as f64,
+            wavefront: look(2 * turn, lattices[0]).paths(&mut wavefront),
+            per_pixel: look(2 * turn + 1, lattices[1]).paths(&mut per_pixel),
+        }
     }
 }
 
@@ -156,19 +185,17 @@ impl Window {
 
     /// Pixels that are spread evenly, for about so many paths of `samples` each.
     fn lattice(&self, samples: u32, paths: f64) -> Lattice {
-        let shortest = self.size.0.min(self.size.1);
-        let run = ((NEIGHBOURS / f64::from(samples)).sqrt() as usize).min(shortest);
+        let run = (NEIGHBOURS / f64::from(samples)).sqrt();
         let pixels = paths.clamp(PATHS.0, PATHS.1) / f64::from(samples);
-        let thinned = ((self.size.0 * self.size.1) as f64 / pixels).sqrt();
-        let every = (run as f64 * thinned).ceil() as usize;
-        Lattice { run, every: every.clamp(run, shortest) }
+        let thinned = ((self.size.0 * self.size.1) as f64 / pixels).sqrt().max(1.0);
+        Lattice { run: run as usize, every: (run * thinned).ceil() as usize }
     }
 }
 
 /// Where a turn looks.
 #[derive(Clone, Copy)]
 struct Look {
-    turn: usize,
+    number: usize,
     window: Window,
     lattice: Lattice,
     samples: u32,
@@ -176,9 +203,9 @@ struct Look {
 }
 
 impl Look {
-    /// A point of the unit square for each turn, far from those of other turns: Roberts' sequence of the plastic number.
+    /// A place for each look, far from those of others: Roberts' sequence of the plastic number.
     fn spot(&self, within: (usize, usize)) -> (usize, usize) {
-        let at = |ratio: f64, size: usize| ((self.turn as f64 * ratio).fract() * size as f64) as usize;
+        let at = |ratio: f64, size: usize| ((self.number as f64 * ratio).fract() * size as f64) as usize;
         (at(0.754_877_666_246_692_8, within.0), at(0.569_840_290_998_053_3, within.1))
     }
 
@@ -186,13 +213,13 @@ impl Look {
     fn paths<T: Transport>(&self, worker: &mut Worker<T>) -> f64 {
         let Window { origin, size } = self.window;
         let Self { lattice, samples, .. } = *self;
-        let (x, y) = self.spot((lattice.every, lattice.every));
+        let (x, y) = self.spot((lattice.every.min(size.0), lattice.every.min(size.1)));
         let none = Edges::default();
         let work = Work {
             origin: (origin.0 + x, origin.1 + y),
             size: (lattice.count(size.0 - x), lattice.count(size.1 - y)),
             lattice,
-            first_sample: samples * self.turn as u32,
+            first_sample: samples * self.number as u32,
             samples,
             share: Share::Whole(&none),
         };
