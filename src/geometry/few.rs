@@ -5,66 +5,17 @@
 
 use glam::DVec3;
 
+use super::query::{Need, Query, QueryBlock};
 use super::scene::Item;
 use super::sphere::FromStart;
 use super::{Geometry, Line, PrimitiveId, Segment, Sphere};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
-use crate::math::columns::{Columns, LANES, Row, plain_field};
+use crate::math::columns::{Columns, LANES, Row};
 use crate::math::kernel::widest;
 
 /// What is not a number meets nothing.
 const NOWHERE: DVec3 = DVec3::NAN;
-
-/// How a move is to be searched.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Need {
-    /// Not at all: it meets nothing.
-    #[default]
-    Nothing,
-    /// As a whole.
-    Whole,
-    /// In pieces.
-    Pieces,
-}
-
-plain_field!(Need);
-
-/// A segment to be searched.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Query<S> {
-    /// The segment, world coordinates.
-    pub segment: S,
-    /// What it starts on.
-    pub leaves: PrimitiveId,
-    /// How it is to be searched.
-    pub need: Need,
-}
-
-/// A block of [`Query`].
-#[derive(Clone, Copy, Default)]
-pub struct QueryBlock<B> {
-    segment: B,
-    leaves: [PrimitiveId; LANES],
-    need: [Need; LANES],
-}
-
-impl<S: Row> Row for Query<S> {
-    type Block = QueryBlock<S::Block>;
-
-    #[inline(always)]
-    fn get(block: &Self::Block, lane: usize) -> Self {
-        let lane = lane % LANES;
-        Query { segment: S::get(&block.segment, lane), leaves: block.leaves[lane], need: block.need[lane] }
-    }
-
-    #[inline(always)]
-    fn set(block: &mut Self::Block, lane: usize, row: Self) {
-        let lane = lane % LANES;
-        S::set(&mut block.segment, lane, row.segment);
-        (block.leaves[lane], block.need[lane]) = (row.leaves, row.need);
-    }
-}
 
 /// First crossings of the segments of a block.
 #[derive(Clone, Copy, Debug)]
@@ -84,25 +35,12 @@ struct Pending {
 }
 
 /// Segments to be searched and what they meet first. Its memory is used again from round to round.
+#[derive(Default)]
 pub struct FewSearch<S: Row> {
     /// What to search.
     pub queries: Columns<Query<S>>,
     best: Vec<Crossings>,
     pending: Vec<Pending>,
-}
-
-impl<S: Row> Default for FewSearch<S> {
-    fn default() -> Self {
-        Self { queries: Columns::default(), best: Vec::new(), pending: Vec::new() }
-    }
-}
-
-impl<S: Row> FewSearch<S> {
-    /// How a lane was to be searched.
-    #[inline(always)]
-    pub fn need(&self, lane: usize) -> Need {
-        self.queries.blocks(lane + 1)[lane / LANES].need[lane % LANES]
-    }
 }
 
 impl<S: SideBySide> FewSearch<S> {

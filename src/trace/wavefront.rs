@@ -192,13 +192,13 @@ impl<T: Transport> Wavefront<T> {
                 }
             }
         }
-        let passed = events.lit.clone();
+        let passed = events.lit.len();
         let fates = &mut counters.fates;
         let geometry = &job.scene.geometry;
         let (found, exactly) = (&found[..*live], &exactly[..*live]);
         transport.settle_all(Moved { geometry, flights, moves, found, exactly }, scratch, |lane, outcome| {
             if let Some(illumination) = lit(vertices, lane) {
-                if passed.binary_search(&(lane, true)).is_ok() {
+                if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
                     return;
                 }
                 match light::conclude(illumination, &vertices.get(lane), outcome) {

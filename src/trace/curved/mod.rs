@@ -275,22 +275,12 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
 }
 
 /// What a wavefront of curved rays keeps from round to round.
+#[derive(Default)]
 pub struct Scratch<R: Lane> {
     next: Columns<CurvedFlight<R>>,
     starts: Columns<Place>,
     launched: Columns<CurvedFlight<R>>,
     polishing: Polishing<R>,
-}
-
-impl<R: Lane> Default for Scratch<R> {
-    fn default() -> Self {
-        Self {
-            next: Columns::default(),
-            starts: Columns::default(),
-            launched: Columns::default(),
-            polishing: Polishing::default(),
-        }
-    }
 }
 
 impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {

@@ -112,13 +112,18 @@ impl Chase {
         x.value() * self.radial + y.value() * self.along
     }
 
+    #[inline(always)]
+    fn carrier(&self) -> Carrier {
+        let Self { anchor, normal, radius, .. } = *self;
+        Carrier { anchor, normal, radius }
+    }
+
     /// Position and unit direction of a pose, and how far along the ray the carrier is from there.
     #[inline(always)]
     fn at<R: Lane>(&self, pose: &Pose<R>) -> (DVec3, DVec3, f64) {
         let position = self.position + self.place(pose.x, pose.y);
         let direction = self.place(pose.tangent_x, pose.tangent_y);
-        let carrier = Carrier { anchor: self.anchor, normal: self.normal, radius: self.radius };
-        let (height, normal) = carrier.height(position);
+        let (height, normal) = self.carrier().height(position);
         (position, direction, -height / normal.dot(direction))
     }
 }
@@ -160,8 +165,7 @@ impl<R: Lane> Kernel for Catching<R> {
         let (position, tangent, ahead) = chase.at(pose);
         let turned = (ahead * pose.curvature.value()) * chase.place(-pose.tangent_y, pose.tangent_x);
         let position = position + ahead * (tangent + 0.5 * turned);
-        let carrier = Carrier { anchor: chase.anchor, normal: chase.normal, radius: chase.radius };
-        let (height, normal) = carrier.height(position);
+        let (height, normal) = chase.carrier().height(position);
         let direction = tangent + turned;
         let direction = direction / direction.length();
         let position = position - (height / normal.dot(direction)) * direction;
@@ -170,6 +174,7 @@ impl<R: Lane> Kernel for Catching<R> {
 }
 
 /// Landings to be moved onto their rays. Its memory is used again from round to round.
+#[derive(Default)]
 pub struct Polishing<R: Lane> {
     hits: Vec<(usize, Found)>,
     spans: Columns<Span<R>>,
@@ -178,20 +183,6 @@ pub struct Polishing<R: Lane> {
     poses: Columns<Pose<R>>,
     caught: Columns<Caught>,
     between: FewSearch<Line>,
-}
-
-impl<R: Lane> Default for Polishing<R> {
-    fn default() -> Self {
-        Self {
-            hits: Vec::new(),
-            spans: Columns::default(),
-            chases: Columns::default(),
-            aims: Columns::default(),
-            poses: Columns::default(),
-            caught: Columns::default(),
-            between: FewSearch::default(),
-        }
-    }
 }
 
 impl<R: Lane> Polishing<R> {

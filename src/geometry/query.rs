@@ -1,0 +1,54 @@
+//! What a search is asked: a segment, and how it is to be searched.
+
+use super::PrimitiveId;
+use crate::math::columns::{LANES, Row, plain_field};
+
+/// How a move is to be searched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Need {
+    /// Not at all: it meets nothing.
+    #[default]
+    Nothing,
+    /// As a whole.
+    Whole,
+    /// In pieces.
+    Pieces,
+}
+
+plain_field!(Need);
+
+/// A segment to be searched.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Query<S> {
+    /// The segment, world coordinates.
+    pub segment: S,
+    /// What it starts on.
+    pub leaves: PrimitiveId,
+    /// How it is to be searched.
+    pub need: Need,
+}
+
+/// A block of [`Query`].
+#[derive(Clone, Copy, Default)]
+pub struct QueryBlock<B> {
+    pub(super) segment: B,
+    pub(super) leaves: [PrimitiveId; LANES],
+    pub(super) need: [Need; LANES],
+}
+
+impl<S: Row> Row for Query<S> {
+    type Block = QueryBlock<S::Block>;
+
+    #[inline(always)]
+    fn get(block: &Self::Block, lane: usize) -> Self {
+        let lane = lane % LANES;
+        Query { segment: S::get(&block.segment, lane), leaves: block.leaves[lane], need: block.need[lane] }
+    }
+
+    #[inline(always)]
+    fn set(block: &mut Self::Block, lane: usize, row: Self) {
+        let lane = lane % LANES;
+        S::set(&mut block.segment, lane, row.segment);
+        (block.leaves[lane], block.need[lane]) = (row.leaves, row.need);
+    }
+}
