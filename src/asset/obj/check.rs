@@ -49,8 +49,8 @@ impl Checked {
             self.counts[column] += 1;
             return words.try_for_each(|word| check_number(word, NAMES[column]));
         }
-        if word == "f" || word == "l" {
-            self.edges += usize::from(word == "l");
+        self.edges += usize::from(word == "l");
+        if word == "f" {
             return words.try_for_each(|corner| self.corner(corner, number));
         }
         Ok(())

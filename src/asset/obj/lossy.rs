@@ -1,5 +1,7 @@
-//! Text files in whatever encoding, line by line: what is not UTF-8 is replaced, and no file is held in memory.
+//! Text files in whatever encoding, line by line: what is not UTF-8 is replaced, lines can be left out by their first
+//! word, and no file is held in memory.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -15,6 +17,8 @@ pub(super) struct Lossy<R> {
     line: Vec<u8>,
     /// Bytes of the line that have been read.
     read: usize,
+    /// First word of the lines that are left out.
+    unwanted: Option<&'static str>,
 }
 
 impl Lossy<BufReader<File>> {
@@ -28,7 +32,25 @@ impl Lossy<BufReader<File>> {
 impl<R: BufRead> Lossy<R> {
     /// A reader of what `inner` gives.
     pub fn new(inner: R) -> Self {
-        Self { inner, line: Vec::new(), read: 0 }
+        Self { inner, line: Vec::new(), read: 0, unwanted: None }
+    }
+
+    /// A reader without the lines that begin with a word.
+    pub fn without(self, word: &'static str) -> Self {
+        Self { unwanted: Some(word), ..self }
+    }
+
+    /// Takes the next line; whether it is wanted.
+    fn next_line(&mut self) -> io::Result<bool> {
+        self.line.clear();
+        self.read = 0;
+        self.inner.read_until(b'\n', &mut self.line)?;
+        let text = String::from_utf8_lossy(&self.line);
+        let is_wanted = self.unwanted.is_none_or(|word| text.split_whitespace().next() != Some(word));
+        if let Cow::Owned(text) = text {
+            self.line = text.into_bytes();
+        }
+        Ok(is_wanted)
     }
 }
 
@@ -43,12 +65,7 @@ impl<R: BufRead> Read for Lossy<R> {
 impl<R: BufRead> BufRead for Lossy<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         if self.read == self.line.len() {
-            self.line.clear();
-            self.read = 0;
-            self.inner.read_until(b'\n', &mut self.line)?;
-            if std::str::from_utf8(&self.line).is_err() {
-                self.line = String::from_utf8_lossy(&self.line).into_owned().into_bytes();
-            }
+            while !self.next_line()? {}
         }
         Ok(&self.line[self.read..])
     }
@@ -67,5 +84,12 @@ mod tests {
         let bytes = b"o caf\xe9\r\nv 1\n\nend";
         let lines: Vec<String> = Lossy::new(&bytes[..]).lines().map(Result::unwrap).collect();
         assert_eq!(lines, ["o caf\u{fffd}", "v 1", "", "end"]);
+    }
+
+    #[test]
+    fn lines_are_left_out_by_their_first_word() {
+        let bytes = b"l 1 2\nlong l\n\tl 2\n\nl\nl";
+        let lines: Vec<String> = Lossy::new(&bytes[..]).without("l").lines().map(Result::unwrap).collect();
+        assert_eq!(lines, ["long l", ""]);
     }
 }

@@ -40,13 +40,14 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
         single_index: checked.has_partial_normals(),
         triangulate: true,
         ignore_points: true,
+        // Of faces with two corners; it reads a line element as a face.
         ignore_lines: true,
     };
     let library = |file: &Path| {
         let file = path.parent().unwrap_or(Path::new("")).join(file);
         mtl::load(&file, &mut notes.borrow_mut())
     };
-    let (models, materials) = tobj::load_obj_buf(&mut Lossy::open(path)?, &options, library)
+    let (models, materials) = tobj::load_obj_buf(&mut Lossy::open(path)?.without("l"), &options, library)
         .map_err(|error| content(Flaw::new(error.to_string(), "fix the file or export it again")))?;
     let mut notes = notes.into_inner();
     let materials = materials.unwrap_or_default();
@@ -172,6 +173,15 @@ mod tests {
         let normals: Vec<usize> = model.meshes.iter().map(|mesh| mesh.normals.len()).collect();
         assert_eq!(normals, [0, 0, 3]);
         assert!(model.warnings[0].ends_with("normals on some faces only, so shaded flat: mixed"));
+    }
+
+    #[test]
+    fn line_elements_of_any_length_are_ignored_and_counted() {
+        let model =
+            load_text(&format!("{SQUARE}l 1 2\nl 1 2 3\n l 1 2 3 4\nf 1 2 3\nl 1 2 3 4 1\n"), "").unwrap();
+        assert_eq!(model.meshes.len(), 1);
+        assert_eq!(model.meshes[0].triangles, [[0, 1, 2]]);
+        assert!(model.warnings[0].ends_with("line elements have no surface and are ignored: 4"));
     }
 
     #[test]
