@@ -3,14 +3,14 @@
 //! One part, one layer without a name, ZIP in blocks of 16 rows, all channels 32-bit floats under the names of the
 //! image's planes: the single-part layout in which compositors find `R`, `G`, `B`, `A`, `depth.Z` and so on.
 
-use std::io::{self, Seek, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 
 use exr::block::lines::LineRefMut;
 use exr::error::Error;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image as File, Layer};
 use exr::math::{RoundingMode, Vec2};
-use exr::meta::attribute::{AttributeValue, IntegerBounds, LevelMode, LineOrder, SampleType, Text};
+use exr::meta::attribute::{self, AttributeValue, IntegerBounds, LevelMode, LineOrder, SampleType, Text};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, WritableImage};
 
@@ -18,15 +18,18 @@ use super::{Image, Plane};
 
 /// Put before the names of the image's own attributes, so that none can collide with one that the format reserves.
 pub(super) const ATTRIBUTE_PREFIX: &str = "warpfront.";
+/// Bytes before the header: magic number and version.
+const PREAMBLE: u64 = 8;
 
 /// Writes `image` to `out`, which should be buffered.
 ///
-/// Attributes become text attributes `warpfront.<name>`; `software` names this program and its version.
+/// Attributes become text attributes `warpfront.<name>`; `software` names this program and its version. The same image
+/// gives the same bytes.
 ///
 /// # Errors
 /// What `out` reports, and [`io::ErrorKind::InvalidData`] if the planes do not fill the data window or a
 /// name does not fit the format.
-pub fn write_exr(image: &Image, out: impl Write + Seek) -> io::Result<()> {
+pub fn write_exr(image: &Image, mut out: impl Write + Seek) -> io::Result<()> {
     if !image.is_consistent() {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "the planes do not fill the data window"));
     }
@@ -38,12 +41,25 @@ pub fn write_exr(image: &Image, out: impl Write + Seek) -> io::Result<()> {
     };
     let layer = Layer::new(image.size, layer_attributes(image), encoding, AnyChannels::sort(channels));
     let display_window = IntegerBounds::from_dimensions((image.width, image.height));
-    File::new(ImageAttributes::new(display_window), layer).write().to_buffered(out).map_err(|error| {
-        match error {
-            Error::Io(error) => error,
-            other => io::Error::new(io::ErrorKind::InvalidData, other.to_string()),
-        }
+    let file = File::new(ImageAttributes::new(display_window), layer);
+    let written = file.write().to_buffered(&mut out).and_then(|()| {
+        let headers = file.write().infer_meta_data();
+        headers.iter().try_for_each(|header| sort_attributes(header, &mut out))
+    });
+    written.map_err(|error| match error {
+        Error::Io(error) => error,
+        other => io::Error::new(io::ErrorKind::InvalidData, other.to_string()),
     })
+}
+
+/// Writes the attributes once more, by name, over those of the only header: the crate keeps them in a hash map, whose
+/// order differs from run to run.
+fn sort_attributes(header: &Header, out: &mut (impl Write + Seek)) -> Result<(), Error> {
+    let mut attributes: Vec<_> = header.all_named_attributes().collect();
+    attributes.sort_by_key(|&(name, _)| name);
+    out.seek(SeekFrom::Start(PREAMBLE))?;
+    attributes.iter().try_for_each(|(name, value)| attribute::write(name, value, out))?;
+    Ok(out.flush()?)
 }
 
 fn channel(plane: &Plane, width: usize) -> AnyChannel<Rows<'_>> {

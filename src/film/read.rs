@@ -187,6 +187,19 @@ mod tests {
     }
 
     #[test]
+    fn the_same_image_gives_the_same_bytes() {
+        let mut image = every_plane((0, 0), (4, 3));
+        image.attributes = (0..20).map(|i| (format!("entity.{i}"), format!("name {i}"))).collect();
+        let bytes = || {
+            let mut bytes = Cursor::new(Vec::new());
+            write_exr(&image, &mut bytes).unwrap();
+            bytes.into_inner()
+        };
+        let first = bytes();
+        assert!((0..20).all(|_| bytes() == first));
+    }
+
+    #[test]
     fn planes_that_do_not_fill_the_window_are_refused() {
         let mut image = every_plane((0, 0), (4, 3));
         image.planes[2].values.pop();
