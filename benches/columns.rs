@@ -9,7 +9,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::{DVec3, Vec3};
 use rand::RngExt;
-use warpfront::math::columns::{Columns, Field, Row};
+use warpfront::math::columns::{Columns, Field, LANES, Row};
 
 fn main() {
     divan::main();
@@ -27,14 +27,14 @@ struct Lane {
 /// Blocks of the fields of a [`Lane`].
 #[derive(Clone, Copy, Default)]
 struct Block {
-    vectors: [<DVec3 as Field>::Block; 3],
-    numbers: [<f64 as Field>::Block; 6],
-    colors: [<Vec3 as Field>::Block; 2],
-    counts: [<u32 as Field>::Block; 6],
+    vectors: [<DVec3 as Field>::Block<LANES>; 3],
+    numbers: [<f64 as Field>::Block<LANES>; 6],
+    colors: [<Vec3 as Field>::Block<LANES>; 2],
+    counts: [<u32 as Field>::Block<LANES>; 6],
 }
 
-fn set<F: Field, const N: usize>(blocks: &mut [F::Block; N], lane: usize, values: [F; N]) {
-    blocks.iter_mut().zip(values).for_each(|(block, value)| F::set(block, lane, value));
+fn set<F: Field, const N: usize>(blocks: &mut [F::Block<LANES>; N], lane: usize, values: [F; N]) {
+    blocks.iter_mut().zip(values).for_each(|(block, value)| F::set::<LANES>(block, lane, value));
 }
 
 impl Row for Lane {
@@ -43,19 +43,19 @@ impl Row for Lane {
     #[inline(always)]
     fn get(block: &Block, lane: usize) -> Self {
         Self {
-            vectors: std::array::from_fn(|i| Field::get(&block.vectors[i], lane)),
-            numbers: std::array::from_fn(|i| Field::get(&block.numbers[i], lane)),
-            colors: std::array::from_fn(|i| Field::get(&block.colors[i], lane)),
-            counts: std::array::from_fn(|i| Field::get(&block.counts[i], lane)),
+            vectors: std::array::from_fn(|i| <DVec3 as Field>::get(&block.vectors[i], lane)),
+            numbers: std::array::from_fn(|i| <f64 as Field>::get(&block.numbers[i], lane)),
+            colors: std::array::from_fn(|i| <Vec3 as Field>::get(&block.colors[i], lane)),
+            counts: std::array::from_fn(|i| <u32 as Field>::get(&block.counts[i], lane)),
         }
     }
 
     #[inline(always)]
     fn set(block: &mut Block, lane: usize, row: Self) {
-        set(&mut block.vectors, lane, row.vectors);
-        set(&mut block.numbers, lane, row.numbers);
-        set(&mut block.colors, lane, row.colors);
-        set(&mut block.counts, lane, row.counts);
+        set::<DVec3, _>(&mut block.vectors, lane, row.vectors);
+        set::<f64, _>(&mut block.numbers, lane, row.numbers);
+        set::<Vec3, _>(&mut block.colors, lane, row.colors);
+        set::<u32, _>(&mut block.counts, lane, row.counts);
     }
 }
 

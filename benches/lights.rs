@@ -38,7 +38,8 @@ fn tree(random: &mut Xoshiro256PlusPlus) -> Tree {
             both_sides: false,
         }
     };
-    Tree::build(&(0..EMITTERS).map(|_| emission()).collect::<Vec<_>>(), 0.1)
+    let emissions: Vec<Emission> = (0..EMITTERS).map(|_| emission()).collect();
+    Tree::build(EMITTERS, |emitter| emissions[emitter as usize], 0.1)
 }
 
 fn count(bencher: Bencher, find: impl Fn(&Tree, DVec3, DVec3, f64) -> f64) {

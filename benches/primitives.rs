@@ -38,8 +38,8 @@ fn arc_sphere(bencher: Bencher) {
 fn with_triangles<S: Segment>(bencher: Bencher, segments: &[S]) {
     let mut random = random();
     let mut triangle = |segment: &S| {
-        let corners = std::array::from_fn(|_| near(segment, &mut random, 0.02).as_vec3().to_array());
-        (*segment, Triangle { corners })
+        let [a, b, c] = std::array::from_fn(|_| near(segment, &mut random, 0.02).as_vec3());
+        (*segment, Triangle { a, b, c })
     };
     let pairs: Vec<(S, Triangle)> = segments.iter().map(&mut triangle).collect();
     bencher.counter(ItemsCount::new(pairs.len())).bench_local(|| {

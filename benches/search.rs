@@ -1,9 +1,10 @@
 //! The first hit in a mesh of 327 680 triangles, along short arcs of marched rays and along whole straight rays: the
 //! choice of hierarchy. One core.
 //!
-//! The engine's own walk over the eight-wide `CwBvh`, which widens every box by the sagitta of the arc at hand, against
-//! obvhs's own traversals of its `CwBvh` and of its `Bvh2`, whose boxes must be inflated by the largest sagitta when they
-//! are built. All test the same f64 primitives; how many hits each finds is printed first, and the numbers must agree.
+//! The engine's own hierarchy, which widens every box by the bow of the arc at hand, one walk after the other and eight by
+//! turns, against obvhs's own traversals of its `CwBvh` and of its `Bvh2`, whose boxes must be inflated by the largest
+//! sagitta when they are built. All test the same f64 primitives in the end; how many hits each finds is printed first, and
+//! the numbers must agree.
 
 mod common;
 
@@ -21,7 +22,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
-use warpfront::geometry::{PrimitiveId, Segment, Triangle};
+use warpfront::geometry::{Need, PrimitiveId, Query, Search, Segment, SideBySide, Triangle};
 
 fn main() {
     println!("{}", describe());
@@ -38,9 +39,11 @@ struct Hierarchies {
 
 static THEIRS: LazyLock<Hierarchies> = LazyLock::new(|| {
     let mesh = &BUMPS.mesh;
-    let corners =
-        |corners: &[u32; 3]| Triangle { corners: corners.map(|index| mesh.positions[index as usize]) };
-    let triangles: Vec<Triangle> = mesh.triangles.iter().map(corners).collect();
+    let placed = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|index| mesh.positions[index as usize].into());
+        Triangle { a, b, c }
+    };
+    let triangles: Vec<Triangle> = mesh.triangles.iter().map(placed).collect();
     Hierarchies {
         wide: Theirs::build(&triangles, 0.0),
         wide_inflated: Theirs::build(&triangles, BUMPS.thickest),
@@ -85,8 +88,30 @@ fn count<S: Segment>(bencher: Bencher, segments: &[S], find: impl Fn(&S) -> Opti
     });
 }
 
+fn by_turns<S: SideBySide>(bencher: Bencher, segments: &[S]) {
+    let mut search = Search::default();
+    search.queries.gather(segments.len(), |lane| Query {
+        segment: segments[lane],
+        leaves: PrimitiveId::NONE,
+        need: Need::Whole,
+    });
+    bencher
+        .counter(ItemsCount::new(segments.len()))
+        .bench_local(|| BUMPS.geometry.search_all(black_box(&mut search), segments.len()));
+}
+
 #[divan::bench]
-fn arcs_thick_walk(bencher: Bencher) {
+fn arcs_by_turns(bencher: Bencher) {
+    by_turns(bencher, &BUMPS.arcs);
+}
+
+#[divan::bench]
+fn rays_by_turns(bencher: Bencher) {
+    by_turns(bencher, &BUMPS.lines);
+}
+
+#[divan::bench]
+fn arcs_walk(bencher: Bencher) {
     count(bencher, &BUMPS.arcs, walk);
 }
 
@@ -106,7 +131,7 @@ fn rays_bvh2(bencher: Bencher) {
 }
 
 #[divan::bench]
-fn rays_thick_walk(bencher: Bencher) {
+fn rays_walk(bencher: Bencher) {
     count(bencher, &BUMPS.lines, walk);
 }
 

@@ -1,5 +1,4 @@
-//! First steps of rays, each in one loop over the arrays of a wave: (b, phase, h) in, the step out; and arcs fitted to
-//! them. One core.
+//! The advance stage: first steps of rays, and arcs fitted to them. One core.
 
 mod common;
 
@@ -9,39 +8,54 @@ use common::{HOLE, ITEMS, TOLERANCES, rays};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
-use warpfront::geodesic::{
-    Control, Dop853, Dopri5, Launch, Leapfrog4, PaperRk4, Phase, Rk4, Rkf45, Rkn4, Rkn6, Step, Stepper,
-    fit_arc,
-};
-use warpfront::math::real::Real;
+use warpfront::geodesic::{Control, Launch, PaperRk4, Phase, Rkn6, Step, Stepper, fit_arc};
+use warpfront::math::columns::Columns;
+use warpfront::scene::StepperKind;
 use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
+use warpfront::trace::curved::march::march;
+use warpfront::trace::curved::{CurvedFlight, CurvedMove, Lane};
+
+/// Rays of a wavefront.
+const WAVE: usize = 1024;
 
 fn main() {
     divan::main();
 }
 
-type Start<R> = (R, Phase<R>, R);
-
-fn starts<R: Real, S: Stepper>() -> Vec<Start<R>> {
+/// Fate and sky do not matter here: rays as the stage gets them, each before its first step.
+fn flights<R: Lane>(order: u32) -> Vec<CurvedFlight<R>> {
     let medium = Schwarzschild::new(HOLE);
     let control = Control::<R>::new(&medium, TOLERANCES.0, TOLERANCES.1);
     let start = |(x, direction): (DVec3, DVec3)| {
         let Launch { b, w, v, .. } = Launch::new(&medium, x, direction, R::EPSILON);
         let (b, phase) = (R::of(b), Phase::new(&medium, R::of(w), R::of(v)));
-        (b, phase, control.first_step(&medium, S::ESTIMATE.order, b, &phase))
+        let h = control.first_step(&medium, order, b, &phase);
+        let Phase { w, v, pull } = phase;
+        CurvedFlight { b, w, v, pull, h, error: R::of(1.0), ..CurvedFlight::default() }
     };
     rays(ITEMS).into_iter().map(start).collect()
 }
 
-fn take<R: Real, S: Stepper>(bencher: Bencher, stepper: S) {
-    let (medium, starts) = (Schwarzschild::new(HOLE), starts::<R, S>());
-    let mut ends = vec![(Phase::<R>::default(), R::default()); ITEMS];
+/// The stage itself, dispatch, fitted arcs and judgement included, over wavefronts of the usual size.
+fn advance<R: Lane>(bencher: Bencher, stepper: StepperKind) {
+    let medium = Schwarzschild::new(HOLE);
+    let control = Control::<R>::new(&medium, TOLERANCES.0, TOLERANCES.1);
+    let march = march(medium, stepper, control, R::of(0.0)).expect("a stepper of orbits");
+    let rays = flights::<R>(march.order());
+    let waves: Vec<Columns<CurvedFlight<R>>> = (rays.chunks(WAVE))
+        .map(|rays| {
+            let mut flights = Columns::default();
+            flights.gather(WAVE, |i| rays[i]);
+            flights
+        })
+        .collect();
+    let mut moves = Columns::<CurvedMove<R>>::default();
+    moves.resize(WAVE);
     bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
-        for (&(b, phase, h), end) in black_box(&starts).iter().zip(&mut ends) {
-            let step = Step::new(&medium, &stepper, b, phase, h);
-            *end = (step.end, step.embedded + step.undone);
+        for flights in &waves {
+            march.advance_all(black_box(flights.blocks(WAVE)), moves.blocks_mut(WAVE));
+            black_box(&moves);
         }
-        black_box(&ends);
     });
 }
 
@@ -52,12 +66,12 @@ macro_rules! steppers {
 
             #[divan::bench]
             fn single(bencher: Bencher) {
-                take::<f32, _>(bencher, $stepper);
+                advance::<f32>(bencher, StepperKind::$stepper);
             }
 
             #[divan::bench]
             fn double(bencher: Bencher) {
-                take::<f64, _>(bencher, $stepper);
+                advance::<f64>(bencher, StepperKind::$stepper);
             }
         })*
     };
@@ -75,8 +89,7 @@ steppers! {
 #[divan::bench]
 fn rk4_paper(bencher: Bencher) {
     let (medium, stepper) = (Schwarzschild::new(HOLE), PaperRk4 { r_s: HOLE });
-    let momentum =
-        |(x, direction): (DVec3, DVec3)| (x, direction * medium.index_squared(1.0 / x.length()).sqrt(), 0.1);
+    let momentum = |(x, direction): (DVec3, DVec3)| (x, direction * medium.index(1.0 / x.length()), 0.1);
     let states: Vec<(DVec3, DVec3, f64)> = rays(ITEMS).into_iter().map(momentum).collect();
     bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
         for (x, p, dt) in &states {
@@ -85,10 +98,10 @@ fn rk4_paper(bencher: Bencher) {
     });
 }
 
-fn fit<R: Real>(bencher: Bencher) {
+fn fit<R: Lane>(bencher: Bencher) {
     let medium = Schwarzschild::new(HOLE);
-    let step = |(b, phase, h): Start<R>| Step::new(&medium, &Rkn6, b, phase, h);
-    let steps: Vec<Step<R>> = starts::<R, Rkn6>().into_iter().map(step).collect();
+    let step = |flight: CurvedFlight<R>| Step::new(&medium, &Rkn6, flight.b, flight.phase(), flight.h);
+    let steps: Vec<Step<R>> = flights(Rkn6::ESTIMATE.order).into_iter().map(step).collect();
     bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
         for step in &steps {
             black_box(fit_arc(black_box(step)));

@@ -114,7 +114,10 @@ fn shares<S: Stepper>(stepper: &S, tolerance: f64, arc_tolerance: f64, count: u6
             }
         };
         let (points, end) = curve(&medium, &step);
-        let arc = PlaneArc { error: arc.error, ..fit_arc(&Step { end, gain: end.w - step.start.w, ..step }) };
+        let arc = PlaneArc {
+            error: arc.error,
+            ..fit_arc(&Step { end, rise: end.w - step.start.w * step.cos, ..step })
+        };
         let away = distance(&points, &in_plane(&arc));
         // Rounding of the box.
         (away / (arc_tolerance + 1e-14 * HALF_EDGE), away / (arc.error + 1e-12))

@@ -38,7 +38,7 @@ fn energy_and_angular_momentum_at_the_end_are_those_of_the_start() {
             for (x, direction, launch) in &launches {
                 let journey = fly::<_, _, f64>(&medium, &stepper, tolerance, launch, OUT, |_| ());
                 let End::Crosses(phase, swept) = journey.end else { panic!("{name}: {:?}", journey.end) };
-                let n_of = |x: DVec3| medium.index_squared(1.0 / x.length()).sqrt();
+                let n_of = |x: DVec3| medium.index(1.0 / x.length());
                 let end = launch.position(phase.w, swept);
                 // The radial momentum, and b/ρ across: |p| is n only as far as the constraint holds.
                 let p = (phase.v * phase.v + (launch.b * phase.w).powi(2)).sqrt();

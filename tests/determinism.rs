@@ -1,10 +1,14 @@
 //! A picture depends on nothing but the scene: not on schedule, threads, batches or crop.
 
+#[path = "common/command.rs"]
+mod command;
 mod common;
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use command::{Folder, assert_good};
 use common::{render, scene_file, scene_path};
 use warpfront::film::{Aov, Image};
 use warpfront::scene::SpacetimeKind;
@@ -85,6 +89,21 @@ fn one_two_and_three_threads_give_the_same_bits() {
         assert_same_bits(&one, &with(2), name);
         assert_same_bits(&one, &with(3), name);
     }
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_files() {
+    let folder = Folder::with(&[]);
+    let scene = scene_path("room_black_hole.toml");
+    let flags = ["--size", "40x34", "--spp", "16", "--aov", "depth,normal,entity,variance"];
+    for threads in ["1", "2"] {
+        let output = format!("{threads}.exr");
+        let command = ["render", scene.to_str().unwrap(), "-o", &output, "--threads", threads];
+        assert_good(&folder.run(&[&command[..], &flags].concat()));
+    }
+    let bytes = |name: &str| fs::read(folder.path(name)).unwrap();
+    assert!(bytes("1.exr") == bytes("2.exr"), "EXR");
+    assert!(bytes("1.png") == bytes("2.png"), "PNG");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use common::{Row, camera, film, hole, material, scene, sphere, table};
 use glam::DVec3;
 use warpfront::light::{Incoming, Lensed, Lights, Receiver, Sight};
 use warpfront::scene::Baked;
-use warpfront::shade::Sampler;
+use warpfront::shade::{Key, Sampler};
 use warpfront::spacetime::Schwarzschild;
 
 const SAMPLES: u32 = 1 << 16;
@@ -36,7 +36,7 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     let sampler = Sampler::sobol(1);
     let mut sums = vec![0.0; rows.len()];
     for sample in 0..SAMPLES {
-        let numbers = sampler.four(0, sample, 1).map(f64::from);
+        let numbers = sampler.four(Key { pixel: 0, sample, set: 1 }).map(f64::from);
         let Some(found) = lights.sample(&sight, &receiver, numbers) else { continue };
         let Incoming::Radiance(_, density) = found.light else { continue };
         let nearest = (0..rows.len())

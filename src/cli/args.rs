@@ -1,21 +1,17 @@
-//! The arguments as clap reads them.
+//! The subcommands and their arguments as clap reads them.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 use super::bench_args::BenchArgs;
-use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
-use crate::film::Aov;
-use crate::light::Heuristic;
-use crate::scene::{Filter, LightSampling, Precision, SamplerKind, Schedule, Settings, StepperKind};
+use super::shared_args::{AccuracyArgs, ChangeArgs, OutputArgs, RunArgs, SceneArgs, SettingArgs, ShareArgs};
+use crate::scene::{LightSampling, Precision, Schedule, Settings, StepperKind};
 use crate::study::free::Accuracy;
-use crate::trace::Run;
 
 /// A path tracer for real scenes in warped spacetime.
 #[derive(Debug, Parser)]
@@ -278,225 +274,13 @@ pub(super) struct ConnectArgs {
     pub(super) strict: bool,
 }
 
-/// Which scene, and what is changed in it.
-#[derive(Debug, Args)]
-pub(super) struct SceneArgs {
-    /// Scene file: .toml, .gltf, .glb or .obj
-    #[arg(value_name = "SCENE")]
-    pub(super) path: PathBuf,
-    #[command(flatten)]
-    pub(super) changes: ChangeArgs,
-}
-
-/// What is changed in a scene.
-#[derive(Debug, Args)]
-pub(super) struct ChangeArgs {
-    /// Set a value of the scene file; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
-    pub(super) overrides: Vec<String>,
-    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units
-    #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
-    pub(super) black_hole: Option<[f64; 4]>,
-}
-
-/// Which files are written.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Output")]
-pub(super) struct OutputArgs {
-    /// OpenEXR file to write
-    #[arg(short, long, value_name = "FILE.exr", value_parser = OsStringValueParser::new().try_map(|s| parse::exr(&s)))]
-    pub(super) output: PathBuf,
-    /// PNG preview to write [default: beside the EXR, with the same stem]
-    #[arg(long, value_name = "FILE.png", value_parser = OsStringValueParser::new().try_map(|s| parse::png(&s)))]
-    pub(super) png: Option<PathBuf>,
-    /// Write no PNG preview
-    #[arg(long, conflicts_with = "png")]
-    pub(super) no_png: bool,
-    /// Write settings, counts and times as JSON
-    #[arg(long, value_name = "FILE.json", value_parser = OsStringValueParser::new().try_map(|s| parse::json(&s)))]
-    pub(super) stats: Option<PathBuf>,
-}
-
-/// What goes over the settings of the scene file.
-#[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Picture")]
-pub(super) struct SettingArgs {
-    /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
-    spp: Option<u32>,
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
-    size: Option<(usize, usize)>,
-    #[command(flatten)]
-    accuracy: AccuracyArgs,
-    /// Order in which the kernels run; the picture is the same
-    #[arg(long, value_enum, value_name = "NAME")]
-    schedule: Option<Schedule>,
-    /// Most ray segments in a path, the camera's included
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
-    max_depth: Option<u32>,
-    /// Seed of all random numbers
-    #[arg(long, value_name = "N", value_parser = parse::seed, allow_hyphen_values = true)]
-    seed: Option<u64>,
-    /// Exposure of the PNG preview in stops
-    #[arg(long, value_name = "STOPS", value_parser = parse::exposure, allow_hyphen_values = true)]
-    exposure: Option<f64>,
-    /// Reconstruction filter
-    #[arg(long, value_enum, value_name = "NAME")]
-    filter: Option<Filter>,
-    /// Source of random numbers
-    #[arg(long, value_enum, value_name = "NAME")]
-    sampler: Option<SamplerKind>,
-    /// How lights are looked for beside the rays that run into them; `straight` is the paper's way, wrong near a hole
-    #[arg(long, value_enum, value_name = "NAME")]
-    light_sampling: Option<LightSampling>,
-    /// Largest winding number of rays to lights that are looked for
-    #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
-    max_winding: Option<u32>,
-    /// How light that is found both ways is shared
-    #[arg(long, value_enum, value_name = "NAME")]
-    mis: Option<Heuristic>,
-}
-
-/// How rays are integrated.
-#[derive(Debug, Default, Args)]
-pub(super) struct AccuracyArgs {
-    /// Preset of --stepper, --tolerance and --arc-tolerance
-    #[arg(long, value_enum, value_name = "PRESET")]
-    quality: Option<Quality>,
-    /// How rays are advanced through curved space
-    #[arg(long, value_enum, value_name = "NAME")]
-    stepper: Option<StepperKind>,
-    /// Numbers that orbits are followed in
-    #[arg(long, value_enum, value_name = "NAME")]
-    precision: Option<Precision>,
-    /// Largest error of a ray's direction, radians at its start
-    #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
-    tolerance: Option<f64>,
-    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
-    arc_tolerance: Option<f64>,
-}
-
-/// Puts a flag, if given, over a setting.
-pub(super) fn set<T: Copy>(flag: Option<T>, value: &mut T) {
-    *value = flag.unwrap_or(*value);
-}
-
-impl AccuracyArgs {
-    /// Whether the tolerance is given.
-    pub(super) fn has_tolerance(&self) -> bool {
-        self.tolerance.is_some()
-    }
-
-    /// Puts the preset, then the single flags, over what the scene file says.
-    pub(super) fn apply(&self, settings: &mut Settings) {
-        if let Some(quality) = self.quality {
-            quality.apply(settings);
-        }
-        settings.arc_tolerance = self.arc_tolerance.or(settings.arc_tolerance);
-        set(self.stepper, &mut settings.stepper);
-        set(self.precision, &mut settings.precision);
-        set(self.tolerance, &mut settings.tolerance);
-    }
-}
-
-impl SettingArgs {
-    /// Puts the flags over what the scene file says.
-    pub(super) fn apply(&self, settings: &mut Settings) {
-        self.accuracy.apply(settings);
-        if let Some((width, height)) = self.size {
-            (settings.width, settings.height) = (width, height);
-        }
-        set(self.spp, &mut settings.spp);
-        set(self.schedule, &mut settings.schedule);
-        set(self.max_depth, &mut settings.max_depth);
-        set(self.seed, &mut settings.seed);
-        set(self.exposure, &mut settings.exposure);
-        set(self.filter, &mut settings.filter);
-        set(self.sampler, &mut settings.sampler);
-        set(self.light_sampling, &mut settings.light_sampling);
-        set(self.max_winding, &mut settings.max_winding);
-        set(self.mis, &mut settings.heuristic);
-    }
-}
-
-/// A list without repetitions, in order.
-pub(super) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
-    let mut distinct = Vec::new();
-    for &value in values {
-        if !distinct.contains(&value) {
-            distinct.push(value);
-        }
-    }
-    distinct
-}
-
-/// What is rendered, and by whom.
-#[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Run")]
-pub(super) struct ShareArgs {
-    /// Worker threads; 0 means one per core
-    #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
-    threads: usize,
-    /// Rays in flight per worker
-    #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
-    batch: Option<usize>,
-    /// Planes to write beside the colours, separated by commas
-    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
-    aovs: Vec<Aov>,
-    /// Render only the pixels from X0,Y0 up to but without X1,Y1
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse::crop, allow_hyphen_values = true)]
-    crop: Option<[usize; 4]>,
-}
-
-/// How the render runs.
-#[derive(Debug, Default, Args)]
-#[command(next_help_heading = "Run")]
-pub(super) struct RunArgs {
-    #[command(flatten)]
-    share: ShareArgs,
-    /// Stop after this time, such as 90s, 5m or 1h30m
-    #[arg(long, value_name = "TIME", value_parser = parse::duration, allow_hyphen_values = true)]
-    time_limit: Option<Duration>,
-    /// Stop when the mean relative standard error of the picture falls below this
-    #[arg(long, value_name = "X", value_parser = parse::positive, allow_hyphen_values = true)]
-    noise: Option<f64>,
-}
-
-impl RunArgs {
-    /// The run for a picture of `width` × `height` pixels.
-    pub(super) fn resolve(&self, width: usize, height: usize) -> Result<Run, Failure> {
-        let run = self.share.resolve(width, height)?;
-        Ok(Run { time_limit: self.time_limit, noise: self.noise, ..run })
-    }
-}
-
-impl ShareArgs {
-    /// The run for a picture of `width` × `height` pixels.
-    pub(super) fn resolve(&self, width: usize, height: usize) -> Result<Run, Failure> {
-        if let Some([x0, y0, x1, y1]) = self.crop.filter(|[_, _, x1, y1]| *x1 > width || *y1 > height) {
-            let message =
-                format!("--crop {x0},{y0},{x1},{y1} reaches outside the picture of {width}x{height} pixels");
-            return Err(
-                Failure::new(message).help(format!("stay within 0,0,{width},{height}, or change --size"))
-            );
-        }
-        Ok(Run {
-            threads: self.threads,
-            batch: self.batch.unwrap_or(Run::default().batch),
-            crop: self.crop,
-            aovs: distinct(&self.aovs),
-            ..Run::default()
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
 
     use super::*;
+    use crate::light::Heuristic;
+    use crate::scene::{Filter, SamplerKind};
 
     fn resolved(flags: &[&str], settings: Settings) -> Settings {
         let arguments = ["warpfront", "render", "scene.toml", "-o", "out.exr"].iter().chain(flags);
@@ -561,19 +345,5 @@ mod tests {
             ..Settings::default()
         };
         assert_eq!(resolved(&flags, Settings::default()), expected);
-    }
-
-    #[test]
-    fn a_crop_must_lie_within_the_picture() {
-        let args = ShareArgs { crop: Some([0, 0, 17, 12]), ..ShareArgs::default() };
-        assert!(args.resolve(17, 12).is_ok());
-        let message = args.resolve(16, 12).unwrap_err().to_string();
-        assert!(message.contains("--crop 0,0,17,12") && message.contains("16x12"), "{message}");
-    }
-
-    #[test]
-    fn a_plane_asked_for_twice_is_written_once() {
-        let args = ShareArgs { aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth], ..ShareArgs::default() };
-        assert_eq!(args.resolve(1, 1).unwrap().aovs, [Aov::Depth, Aov::Normal]);
     }
 }

@@ -2,12 +2,12 @@
 
 use std::io::Write;
 
-use super::args::distinct;
 use super::bench_args::BenchArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::prefixed::{Files, names, with_suffix};
 use super::progress::Bar;
+use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
-use super::args::{AccuracyArgs, SceneArgs, set};
 use super::failure::Failure;
 use super::parse;
+use super::shared_args::{AccuracyArgs, SceneArgs, set};
 use crate::scene::{LightSampling, Settings, flag_name};
 use crate::study::bench::{Contender, Vary};
 use crate::trace::Run;

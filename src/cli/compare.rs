@@ -13,8 +13,9 @@ use super::units::{plural, significant};
 use super::{Outcome, print, say};
 use crate::film::atomic::Output;
 use crate::film::{read_exr, write_exr, write_rgb8};
-use crate::study::compare::{Channel, Comparison, DECADES, EPSILON, Pair, Verdict, Window};
+use crate::study::compare::{Channel, Comparison, DECADES, EPSILON, Pair, Verdict};
 use crate::study::noise::{BLOCK, Deviation, Noise, SIGNIFICANCE};
+use crate::study::window::Window;
 
 /// Compares two pictures and writes their difference.
 pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {

@@ -3,20 +3,12 @@
 use std::time::Duration;
 
 use super::units::decimal;
-use crate::scene::{Baked, Schedule, flag_name};
+use crate::scene::{Schedule, flag_name};
 use crate::study::estimate::Estimate;
 use crate::study::forecast::Forecast;
-use crate::trace::{Run, probe};
 
-/// How long the probe may take.
-const PROBE: Duration = Duration::from_secs(1);
 /// Seconds from which on a part of the time is worth its words.
 const SMALLEST: f64 = 0.005;
-
-/// What rendering `scene` by `run` will take, from a probe of it.
-pub(super) fn forecast(scene: &Baked, run: &Run) -> Forecast {
-    Forecast::new(&probe(scene, run, PROBE), &scene.settings)
-}
 
 /// The time of a render in words.
 pub(super) fn time(forecast: &Forecast) -> String {

@@ -1,6 +1,7 @@
 //! `warpfront info`.
 
 use std::fmt::Write;
+use std::time::Duration;
 
 use serde::Serialize;
 
@@ -14,7 +15,10 @@ use crate::light::Punctual;
 use crate::scene::{self, Baked, Schedule, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
 use crate::study::forecast::Forecast;
-use crate::trace::Run;
+use crate::trace::{Run, probe};
+
+/// How long the probe may take.
+const PROBE: Duration = Duration::from_secs(1);
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
@@ -108,7 +112,8 @@ struct Memory {
 
 impl<'a> Report<'a> {
     fn of(name: String, scene: &'a Baked, run: &Run) -> Self {
-        let cost = cost::forecast(scene, run);
+        let probe = probe(scene, run, PROBE);
+        let cost = Forecast::new(&probe, &scene.settings);
         Self {
             scene: name,
             spacetime: Spacetime::of(scene.spacetime),
@@ -123,7 +128,7 @@ impl<'a> Report<'a> {
             },
             settings: &scene.settings,
             memory: Memory::of(scene, run),
-            stages: stages::of(scene, &run.aovs),
+            stages: stages::of(scene, probe.lights, &run.aovs),
             schedule: cost.faster().map(|(schedule, _)| schedule),
             cost,
             warnings: &scene.warnings,

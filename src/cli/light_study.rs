@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::args::{StudyArgs, distinct};
+use super::args::StudyArgs;
 use super::failure::Failure;
 use super::prefixed::{Files, names};
 use super::progress::Bar;
-use super::study::load;
+use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, print, say};
 use crate::film::read_exr;
@@ -22,8 +22,7 @@ const SPPS: [u32; 4] = [1, 4, 16, 64];
 const REFERENCE: u32 = 16;
 
 /// Measures ways to look for lights and writes what was found.
-pub(super) fn run(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Failure> {
-    let scene = load(args, path)?;
+pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> Result<Outcome, Failure> {
     lit(&scene, path)?;
     let spps = if args.spps.is_empty() { &SPPS[..] } else { &args.spps };
     let plan = Plan {

@@ -20,6 +20,7 @@ mod rays;
 mod rays_table;
 mod render;
 mod rowwise;
+mod shared_args;
 mod stages;
 mod study;
 mod summary;

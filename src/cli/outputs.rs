@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::args::OutputArgs;
 use super::failure::Failure;
+use super::shared_args::OutputArgs;
 use crate::film::atomic::Output;
 use crate::film::{write_exr, write_png};
 use crate::scene::Settings;

@@ -6,7 +6,7 @@ use super::units::plural;
 use crate::film::Aov;
 use crate::scene::{Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
 use crate::shade::Material;
-use crate::trace::light_sampling;
+use crate::trace::LightSummary;
 
 /// One stage.
 #[derive(Debug, PartialEq, Serialize)]
@@ -16,8 +16,8 @@ pub(super) struct Stage {
     pub(super) why: String,
 }
 
-/// The stages in the order in which a ray meets them.
-pub(super) fn of(scene: &Baked, planes: &[Aov]) -> Vec<Stage> {
+/// The stages in the order in which a ray meets them; `sampling` is what light sampling will do, if anything.
+pub(super) fn of(scene: &Baked, sampling: Option<LightSummary>, planes: &[Aov]) -> Vec<Stage> {
     vec![
         advance(scene),
         intersect(scene),
@@ -25,7 +25,7 @@ pub(super) fn of(scene: &Baked, planes: &[Aov]) -> Vec<Stage> {
         escape(scene),
         emit(scene),
         scatter(scene),
-        lights(scene),
+        lights(scene, sampling),
         aovs(planes),
     ]
 }
@@ -97,7 +97,7 @@ fn scatter(scene: &Baked) -> Stage {
     }
 }
 
-fn lights(scene: &Baked) -> Stage {
+fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
     let lit = !scene.environment.is_black()
         || scene.materials.iter().any(|material| material.emits())
         || scene.punctual.iter().any(|light| light.emits());
@@ -105,7 +105,7 @@ fn lights(scene: &Baked) -> Stage {
         return stage("light", false, "no lights: the picture will be black");
     }
     let settings = &scene.settings;
-    let Some(lights) = light_sampling(scene) else {
+    let Some(lights) = sampling else {
         let why = match settings.light_sampling {
             LightSampling::Off => "light sampling is off",
             _ if !scene.materials.iter().any(Material::spreads_light) => "nothing diffuse to be lit",
@@ -135,12 +135,15 @@ fn aovs(planes: &[Aov]) -> Stage {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::time::Duration;
+
     use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::geometry::{Geometry, Primitives, Sphere, Surface};
     use crate::scene::{Camera, Settings};
     use crate::shade::{Environment, Material};
+    use crate::trace::{Run, probe};
 
     /// Nothing in front of a camera in a white room.
     pub(in crate::cli) fn empty_scene(spacetime: SpacetimeKind) -> Baked {
@@ -159,7 +162,8 @@ pub(super) mod tests {
     }
 
     fn find(scene: &Baked, name: &str) -> Stage {
-        of(scene, &[]).into_iter().find(|stage| stage.name == name).unwrap()
+        let sampling = probe(scene, &Run::default(), Duration::ZERO).lights;
+        of(scene, sampling, &[]).into_iter().find(|stage| stage.name == name).unwrap()
     }
 
     #[test]

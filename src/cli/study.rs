@@ -7,13 +7,14 @@ use csv::ByteRecord;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::args::{StudyArgs, distinct};
+use super::args::StudyArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::light_study;
 use super::prefixed::{Files, names};
 use super::progress::Bar;
 use super::rays_table::Columns;
+use super::shared_args::distinct;
 use super::table::{Table, line};
 use super::units::plural;
 use super::{Outcome, print, say};
@@ -36,8 +37,9 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
     match (&args.rays, &args.scene) {
         (Some(rays), _) => free(args, rays, Files::open(&args.output)?),
-        (None, Some(scene)) if !args.light_sampling.is_empty() => {
-            light_study::run(args, scene, Files::open(&args.output)?)
+        (None, Some(path)) if !args.light_sampling.is_empty() => {
+            let files = Files::open(&args.output)?;
+            light_study::run(args, load(args, path)?, path, files)
         }
         (None, Some(scene)) => of_scene(args, scene, Files::open(&args.output)?),
         (None, None) => Err(Failure::new("nothing to study").help("give a SCENE, or --rays RAYS.csv")),
@@ -74,7 +76,7 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 }
 
 /// The scene in the size of the study; says what is wrong with it.
-pub(super) fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
+fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
     let mut scene = scene::load_with_hole(path, &args.changes.overrides, args.changes.black_hole)?;
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));

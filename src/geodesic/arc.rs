@@ -10,7 +10,7 @@
 
 use glam::DVec3;
 
-use super::Step;
+use super::{Phase, Step};
 use crate::math::columns::columns;
 use crate::math::quadrature::mean;
 use crate::math::real::Real;
@@ -74,12 +74,17 @@ impl Arc {
     /// Distance of the point farthest from the chord p0 p2.
     #[inline(always)]
     pub fn sagitta(&self) -> f64 {
+        self.bow().length()
+    }
+
+    /// The way to the point farthest from the chord p0 p2, square to it.
+    #[inline(always)]
+    pub fn bow(&self) -> DVec3 {
         let chord = self.p2 - self.p0;
         let off = self.p1 - self.p0;
         let length2 = chord.length_squared();
-        let height2 =
-            if length2 > 0.0 { off.cross(chord).length_squared() / length2 } else { off.length_squared() };
-        self.w / (1.0 + self.w) * height2.sqrt()
+        let along = if length2 > 0.0 { off.dot(chord) / length2 } else { 0.0 };
+        self.w / (1.0 + self.w) * (off - along * chord)
     }
 
     /// The two halves, each in standard form: the left one first \[F, 12.4\].
@@ -121,18 +126,15 @@ impl<R: Real> Step<R> {
     #[inline(always)]
     pub fn displacement(&self) -> [R; 2] {
         let (w0, w1) = (self.start.w, self.end.w);
-        let outwards = -self.gain / (w0 * w1);
-        // 1 − cos = sin²/(1 + cos).
-        let sagged = self.sin * self.sin / ((R::of(1.0) + self.cos) * w1);
-        [outwards - sagged, self.sin / w1]
+        // cos/w1 − 1/w0, and sin/w1, by one division.
+        let inverse = R::of(1.0) / (w0 * w1);
+        [-self.rise * inverse, self.sin * w0 * inverse]
     }
 
-    /// Unit tangent at the end, along the radius at the start and across it.
+    /// Momentum at the end, along the radius at the start and across it.
     #[inline(always)]
-    pub fn end_tangent(&self) -> [R; 2] {
-        let across = self.b * self.end.w;
-        let n = (self.end.v * self.end.v + across * across).sqrt();
-        let (outwards, across) = (-self.end.v / n, across / n);
+    pub fn end_momentum(&self) -> [R; 2] {
+        let [outwards, across] = self.end.momentum(self.b);
         [outwards * self.cos - across * self.sin, outwards * self.sin + across * self.cos]
     }
 }
@@ -143,46 +145,56 @@ const SMALL_TURN: f64 = 1e4;
 /// The arc that stands in for `step`.
 #[inline(always)]
 pub fn fit_arc<R: Real>(step: &Step<R>) -> PlaneArc<R> {
-    let (zero, half) = (R::of(0.0), R::of(0.5));
-    let (w0, w1, b) = (step.start.w, step.end.w, step.b);
-    let n0 = (step.start.v.squared() + (b * w0).squared()).sqrt();
-    let n1 = (step.end.v.squared() + (b * w1).squared()).sqrt();
-    let [x, y] = step.displacement();
-    let (t0x, t0y) = (-step.start.v / n0, b * w0 / n0);
-    let [t1x, t1y] = step.end_tangent();
-    // Sines of the turn, and of the angles of the tangents to the chord, times its length.
+    let (zero, half, one) = (R::of(0.0), R::of(0.5), R::of(1.0));
+    let (start, end, b) = (&step.start, &step.end, step.b);
+    // The chord, in a unit that drops out of the skew: what takes long to divide by is not waited for.
+    let (chord_x, chord_y) = (-step.rise, step.sin * start.w);
+    let unit = one / (start.w * end.w);
+    let (x, y) = (chord_x * unit, chord_y * unit);
+    // Tangents as long as the index, which drops out of the conic.
+    let [t0x, t0y] = start.momentum(b);
+    let [t1x, t1y] = step.end_momentum();
+    // Sines of the turn and of the angles of the tangents to the chord, times the lengths of both.
     let turn = t0x * t1y - t0y * t1x;
-    let (at_start, at_end) = (t0x * y - t0y * x, x * t1y - y * t1x);
-    let (to_start, to_end) = (at_end / turn, at_start / turn);
-    let curvature = |pull: R, w: R, n: R| pull * b * (w * w * w) / (n * n * n);
-    let (k0, k1) = (curvature(step.start.pull, w0, n0), curvature(step.end.pull, w1, n1));
-    // Curvature of the conic at either end is turn × far leg / (2 w² near leg²) [F, 12.6].
-    let weight0 = turn * to_end / ((k0 + k0) * to_start * to_start);
-    let weight1 = turn * to_start / ((k1 + k1) * to_end * to_end);
-    let squared = (weight0 * weight1).sqrt();
-    let bent = turn.abs() > R::of(SMALL_TURN * R::EPSILON);
+    let (at_start, at_end) = (t0x * chord_y - t0y * chord_x, chord_x * t1y - chord_y * t1x);
+    let (skew, reverse) = (at_start / at_end, at_end / at_start);
+    let (at_start, at_end) = (at_start * unit, at_end * unit);
+    let bending = |phase: &Phase<R>| phase.pull * b * (phase.w * phase.w * phase.w);
+    let (bending0, bending1) = (bending(start), bending(end));
+    // Curvature of the conic at either end is turn × far leg / (2 w² near leg²) [F, 12.6], where the legs are
+    // at_end / turn and at_start / turn: the weight is fitted to the product of both curvatures.
+    let fitted = (bending0 * bending1 * skew).sqrt();
+    let root = (R::of(2.0) * fitted * at_end.abs()).sqrt();
+    let inverse = one / (turn * root);
+    let (leg, weight) = (at_end * root * inverse, turn * turn.abs() * inverse);
+    let n0 = start.index(b);
+    // The index changes little over a step that turns so little.
+    let bent = turn.abs() > R::of(SMALL_TURN * R::EPSILON) * n0 * n0;
     let ahead = t0x * t1x + t0y * t1y > zero;
-    let conic = bent & ahead & (to_start > zero) & (to_end > zero) & (squared > zero);
+    let conic = bent & ahead & (at_start * turn > zero) & (at_end * turn > zero) & (fitted > zero);
     // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
-    let one = R::of(1.0);
-    let mismatch = (k0 * (weight0 / squared - one)).abs().at_least((k1 * (weight1 / squared - one)).abs());
-    let length2 = x * x + y * y;
+    let (per_n0, per_n1) = (one / n0, step.per_index);
+    let (per_n0_cubed, per_n1_cubed) = (per_n0 * per_n0 * per_n0, per_n1 * per_n1 * per_n1);
+    let off0 = (fitted * skew - bending0.abs()).abs() * per_n0_cubed;
+    let off1 = (fitted * reverse * reverse - bending1.abs()).abs() * per_n1_cubed;
     // Where both ends agree, what is left is of how the pull varies between them: with the field's strength, and with how
     // far the radius turns from its straight course. The factor is measured around a hole.
-    let turned =
-        (step.start.pull + step.end.pull) * (step.start.v - step.end.v) * step.h * step.sin / (n0 * n1);
-    let conic_error = (R::of(0.009) * mismatch + R::of(7e-5) * ((k0 + k1) * turned).abs()) * length2;
+    let curvatures = bending0 * per_n0_cubed + bending1 * per_n1_cubed;
+    let turned = (start.pull + end.pull) * (start.v - end.v) * step.h * step.sin * (per_n0 * per_n1);
+    let off = R::of(0.009) * off0.at_least(off1) + R::of(7e-5) * (curvatures * turned).abs();
+    let conic_error = off * (x * x + y * y);
     // The cubic part s(1−s)(1−2s)/2 of the Hermite interpolant is at most 0.0481.
+    let (at_start, at_end) = (at_start * per_n0, at_end * per_n1);
     let parabola_error =
         R::of(0.0481) * (at_start - at_end).abs() + if bent { R::of(f64::INFINITY) } else { zero };
     // Both are computed and one is chosen, so that lanes can run side by side.
     let pick = |a: R, b: R| if conic { a } else { b };
     // Half the chord, and to its right as far as the mean slope carries.
-    let slope = R::of(0.25) * (at_start + at_end) / length2.sqrt();
+    let slope = R::of(0.25) * (at_start + at_end) * per_n0;
     PlaneArc {
-        middle: [pick(to_start * t0x, half * x + slope * y), pick(to_start * t0y, half * y - slope * x)],
+        middle: [pick(leg * t0x, half * x + slope * t0y), pick(leg * t0y, half * y - slope * t0x)],
         end: [x, y],
-        weight: pick(squared.sqrt(), one),
+        weight: pick(weight, one),
         error: pick(conic_error, parabola_error),
     }
 }

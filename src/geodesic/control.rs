@@ -3,6 +3,7 @@
 use super::stepper::Estimate;
 use super::{Phase, Step, Stepper};
 use crate::math::real::Real;
+use crate::math::rough;
 use crate::spacetime::ConformallyFlat;
 
 /// What steps are held to, and how their length follows.
@@ -10,8 +11,8 @@ use crate::spacetime::ConformallyFlat;
 pub struct Control<R> {
     /// Largest error of a ray's direction, all its steps together, radians.
     tolerance: R,
-    /// Largest distance between an arc and the curve, scene units.
-    arc_tolerance: R,
+    /// Inverse of the largest distance between an arc and the curve, scene units.
+    per_arc_tolerance: R,
     /// Inverse radius of the horizon; infinite without one.
     horizon: R,
     /// Inverse radius of the photon sphere; infinite without one.
@@ -32,11 +33,11 @@ pub struct Verdict<R> {
 }
 
 /// Bounds on how a step may grow or shrink from one to the next.
-const GROWTH: (f64, f64) = (0.2, 4.0);
+const GROWTH: (f32, f32) = (0.2, 4.0);
 /// A rejected step is at most this long the next time.
-const HALVED: f64 = 0.5;
+const HALVED: f32 = 0.5;
 /// Aims a little below the tolerance, so that most steps are accepted.
-const SAFETY: f64 = 0.85;
+const SAFETY: f32 = 0.85;
 /// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that every
 /// step is given whatever it sweeps.
 const SWEEP: f64 = 3.5;
@@ -68,7 +69,7 @@ impl<R: Real> Control<R> {
     pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64, arc_tolerance: f64) -> Self {
         Self {
             tolerance: R::of(tolerance.max(Self::least_tolerance())),
-            arc_tolerance: R::of(arc_tolerance),
+            per_arc_tolerance: R::of(1.0 / arc_tolerance),
             horizon: R::of(1.0 / medium.horizon()),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
             critical: R::of(medium.critical_impact_parameter()),
@@ -94,30 +95,30 @@ impl<R: Real> Control<R> {
     /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
     #[inline(always)]
     pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> Verdict<R> {
-        let Estimate { embedded, undone, .. } = S::ESTIMATE;
-        let share = (step.sin + R::of(LEAST_SWEEP)) * self.tolerance * R::of(1.0 / SWEEP);
+        let Estimate { order, embedded, undone } = S::ESTIMATE;
+        let share = (step.sin + R::of(LEAST_SWEEP)) * (self.tolerance * R::of(1.0 / SWEEP));
         let own = step.embedded * step.h * self.rate(step.b, &step.start);
         let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
         // The sum, unlike the larger, keeps the NaN of a step that left the chart, and NaN is never accepted.
         let error = estimate / share
             + estimate * estimate * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
             + step.strain * R::of(1.0 / LARGEST_STRAIN)
-            + arc_error / self.arc_tolerance;
+            + arc_error * self.per_arc_tolerance;
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
-        // (e₋₁/e³)^(1/4p) with p rounded up to a power of two, which takes roots only.
-        let ratio = (previous / (bounded * bounded * bounded)).sqrt().sqrt().sqrt().sqrt();
-        let factor = R::of(SAFETY) * if S::ESTIMATE.order > 6 { ratio.sqrt() } else { ratio };
+        // (e₋₁/e³)^(1/4p) with p rounded to a power of two, in logarithms.
+        let log2 = |error: R| rough::log2(error.value() as f32);
+        let halvings = if order > 6 { 5 } else { 4 };
+        let factor = SAFETY * rough::exp2((log2(previous) - 3 * log2(bounded)) >> halvings);
         let most = if accepted { GROWTH.1 } else { HALVED };
-        let factor = factor.at_most(R::of(most)).at_least(R::of(GROWTH.0));
-        Verdict { accepted, next_h: step.h * factor, error: bounded }
+        let factor = factor.at_most(most).at_least(GROWTH.0);
+        Verdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
     }
 
     /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.
     #[inline(always)]
     fn rate(&self, b: R, phase: &Phase<R>) -> R {
-        let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
-        b + n / self.room(phase.w)
+        b + phase.index(b) / self.room(phase.w)
     }
 
     /// How far the index is from a pole, in inverse radius.
@@ -129,7 +130,7 @@ impl<R: Real> Control<R> {
     /// A step of at most `h` from `phase` that neither sweeps too much nor changes the index too much.
     #[inline(always)]
     pub fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
-        let n = (phase.v.squared() + (b * phase.w).squared()).sqrt();
+        let n = phase.index(b);
         let longest = if phase.v > R::of(0.0) { LONGEST_FALL } else { LONGEST_RISE };
         let h = h.at_most(R::of(longest) * self.room(phase.w) / n);
         let widest = R::of(LARGEST_TANGENT) / b;
@@ -146,27 +147,10 @@ impl<R: Real> Control<R> {
         let nearest = ahead.at_most(w + LONGEST_FALL * room);
         let pull = medium.pull(nearest).abs();
         let strength = b * pull / ((v * v + (b * w) * (b * w)).sqrt() * rate * rate);
-        let reach = root(REACH * self.tolerance.value() / strength, order);
+        // The root of that order, with the exponent rounded up to 64ths, so that small roots are not too large.
+        let exponent = 64u32.div_ceil(order.max(1)) as i32;
+        let log2 = rough::log2((REACH * self.tolerance.value() / strength) as f32);
+        let reach = f64::from(rough::exp2((log2 >> 6) * exponent));
         self.within(R::of(reach.at_most(LARGEST_TANGENT) / rate), R::of(b), phase)
     }
-}
-
-/// About x^(1/order), by square roots only: with the exponent rounded up to 64ths, so that small roots are not too large.
-#[inline(always)]
-fn root(x: f64, order: u32) -> f64 {
-    let exponent = 64u32.div_ceil(order.max(1));
-    // Written out and free of choices, so that lanes can run side by side.
-    let part = |root: f64, bit: u32| 1.0 + f64::from(exponent >> bit & 1) * (root - 1.0);
-    let half = x.sqrt();
-    let fourth = half.sqrt();
-    let eighth = fourth.sqrt();
-    let sixteenth = eighth.sqrt();
-    let thirty_second = sixteenth.sqrt();
-    let sixty_fourth = thirty_second.sqrt();
-    part(half, 5)
-        * part(fourth, 4)
-        * part(eighth, 3)
-        * part(sixteenth, 2)
-        * part(thirty_second, 1)
-        * part(sixty_fourth, 0)
 }

@@ -217,7 +217,7 @@ const TABLEAU: RungeKutta<13> = RungeKutta {
 
 impl Stepper for Dop853 {
     const ORDER: u32 = 8;
-    const ESTIMATE: Estimate = Estimate { order: 7, embedded: 0.005, undone: 0.0 };
+    const ESTIMATE: Estimate = Estimate { order: 7, embedded: 0.02, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {

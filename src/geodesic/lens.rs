@@ -153,7 +153,7 @@ impl Lens {
         let innermost = 1.0 / medium.horizon();
         let place = |s: f64| {
             let (low, high) = if s > 0.0 { (0.0, photon_sphere) } else { (photon_sphere, innermost) };
-            let is_lower = |w: f64| critical * w / medium.index_squared(w).sqrt() < 1.0 - s * s;
+            let is_lower = |w: f64| critical * w / medium.index(w) < 1.0 - s * s;
             bisect(low, high, |w| is_lower(w) == (s > 0.0))
         };
         // Next to s = 0, where its quotient is 0/0, h is known from afar.
@@ -186,7 +186,7 @@ impl Lens {
     pub fn site<M: ConformallyFlat>(&self, medium: &M, x: DVec3) -> Site {
         let rho = x.length();
         let w = 1.0 / rho;
-        let q = w / medium.index_squared(w).sqrt();
+        let q = w / medium.index(w);
         let size = (1.0 - self.critical * q).max(0.0).sqrt();
         let mut s = if w > self.photon_sphere { -size } else { size };
         if size < NEAR_PHOTON_SPHERE {

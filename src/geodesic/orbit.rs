@@ -64,8 +64,11 @@ pub struct Step<R> {
     pub start: Phase<R>,
     /// Where it ends.
     pub end: Phase<R>,
-    /// w at the end less w at the start, to its own rounding.
-    pub gain: R,
+    /// Inverse of the index at the end.
+    pub per_index: R,
+    /// w at the end less what it would be if the ray went straight across the radius at the start, w cos: to its own
+    /// rounding.
+    pub rise: R,
     /// Length in ξ: the tangent of the swept angle, over b.
     pub h: R,
     /// Cosine of the swept angle.
@@ -103,17 +106,17 @@ impl Launch {
     #[inline(always)]
     pub fn new<M: ConformallyFlat>(medium: &M, x: DVec3, d: DVec3, epsilon: f64) -> Self {
         let (rho, length) = (x.length(), d.length());
-        let radial = x / rho;
-        let spin = exact::cross(x, d) / (rho * length);
+        let (w, per_length) = (1.0 / rho, 1.0 / length);
+        let radial = x * w;
+        let spin = exact::cross(x, d) * (w * per_length);
         let sine = spin.length();
         let turns = sine > 0.0;
-        let (across, any) = ((spin / sine).cross(radial), frame::tangents(radial).0);
+        let (across, any) = ((spin * (1.0 / sine)).cross(radial), frame::tangents(radial).0);
         let pick = |across: f64, any: f64| if turns { across } else { any };
         let along = DVec3::new(pick(across.x, any.x), pick(across.y, any.y), pick(across.z, any.z));
-        let w = 1.0 / rho;
-        let n = medium.index_squared(w).sqrt();
+        let n = medium.index(w);
         let b = n * rho * sine;
-        let cosine = radial.dot(d) / length;
+        let cosine = radial.dot(d) * per_length;
         let fate = Fate::of(medium, rho, b, cosine > 0.0);
         // A ray through the centre of a medium without a horizon passes it at a distance that no number can resolve.
         let smallest = if medium.horizon() > 0.0 { 0.0 } else { 1e-30 * rho };
@@ -162,6 +165,18 @@ impl<R: Real> Phase<R> {
     pub fn new<M: ConformallyFlat>(medium: &M, w: R, v: R) -> Self {
         Self { w, v, pull: medium.pull(w) }
     }
+
+    /// The index n, which w′ and b w make up.
+    #[inline(always)]
+    pub fn index(&self, b: R) -> R {
+        (self.v.squared() + (b * self.w).squared()).sqrt()
+    }
+
+    /// Momentum outwards and across: as long as the index, in the direction of travel.
+    #[inline(always)]
+    pub fn momentum(&self, b: R) -> [R; 2] {
+        [-self.v, b * self.w]
+    }
 }
 
 impl<R: Real> Step<R> {
@@ -170,44 +185,54 @@ impl<R: Real> Step<R> {
     pub fn new<M: ConformallyFlat>(medium: &M, stepper: &impl Stepper, b: R, start: Phase<R>, h: R) -> Self {
         let one = R::of(1.0);
         let b2 = b * b;
-        let cosine = |xi: R| one / (one + b2 * xi * xi).sqrt();
+        // 1/cos and cos. The root and the quotient do not wait for each other.
+        let secant = |xi: R| {
+            let squared = one + b2 * xi * xi;
+            let root = squared.sqrt();
+            (root, root * (one / squared))
+        };
         let force = |xi: R, position: R| {
-            let c = cosine(xi);
+            let (_, c) = secant(xi);
             medium.pull(position * c) * (c * c * c)
         };
         let trial = stepper.step(force, [start.w, start.v, start.pull], h);
-        let c = cosine(h);
+        let (secant, c) = secant(h);
         let position = start.w + trial.gain;
-        let (w, v) = (position * c, trial.velocity / c - position * b2 * h * c);
+        let sin = b * h * c;
+        let (w, v) = (position * c, trial.velocity * secant - position * (b * sin));
         let (n2, pull) = (medium.index_squared(w), medium.pull(w));
         // One step of Newton's method towards the constraint, along its gradient in units of w and n.
         let excess = v * v + b2 * w * w - n2;
         let (slope_w, slope_v) = ((b2 * w - pull) * w, v);
         let scale = R::of(0.5) / (slope_w * slope_w + slope_v * slope_v * n2);
-        let (across_w, across_v) = (scale * slope_w * w, scale * slope_v * n2);
-        let n = n2.sqrt();
-        let angle = |w_error: R, v_error: R| b * (w_error.abs() * n + v_error.abs() * w.abs()) / n2;
-        let v_error = trial.velocity_error / c;
+        let (across_w, across_v) = (slope_w * w, slope_v * n2);
+        let shift = excess * scale;
+        let end = Phase { w: w - shift * across_w, v: v - shift * across_v, pull };
+        // Of the medium, not of the end: that of a step out of the chart may be anything.
+        let per_n = one / medium.index(w);
+        let per_n2 = per_n * per_n;
+        let (per_w, per_v) = (b * per_n, b * w.abs() * per_n2);
+        let angle = |w_error: R, v_error: R| w_error.abs() * per_w + v_error.abs() * per_v;
+        let v_error = trial.velocity_error * secant;
         // What may be rounding counts neither as an error, which it would look like near the circular ray, where both slopes
         // vanish, nor as a way, which would move rays about far from the centre. Near the horizon it is that of w.
         let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
         let known = (excess.abs() - rounding).at_least(R::of(0.0));
-        let undo = if excess > R::of(0.0) { known } else { -known };
-        let sin = b * h * c;
-        // 1 − cos = sin²/(1 + cos).
-        let gain = trial.gain * c - start.w * (sin * sin / (one + c)) - undo * across_w;
+        let known_shift = known * scale;
+        let undone = if excess > R::of(0.0) { known_shift } else { -known_shift };
         Self {
             b,
             start,
-            gain,
-            end: Phase { w: w - excess * across_w, v: v - excess * across_v, pull },
+            rise: trial.gain * c - undone * across_w,
+            end,
+            per_index: per_n,
             h,
             cos: c,
             sin,
             embedded: angle(trial.position_error * c, v_error),
-            undone: known * angle(across_w, across_v),
+            undone: known_shift * angle(across_w, across_v),
             drift: excess.abs() / n2,
-            strain: known * (scale * n2 + one / n2) + v_error.abs() / n,
+            strain: known_shift * n2 + known * per_n2 + v_error.abs() * per_n,
             leverage: (scale + scale) * n2 * n2,
         }
     }

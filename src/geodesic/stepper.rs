@@ -70,7 +70,8 @@ pub struct Nystrom<const S: usize> {
 /// Σ weights × values, over the first `count`.
 #[inline(always)]
 pub(super) fn sum<R: Real, const S: usize>(weights: &[f64; S], values: &[R; S], count: usize) -> R {
-    let mut sum = R::of(0.0);
+    // What is added to −0 stays what it is: no operation.
+    let mut sum = R::of(-0.0);
     for j in 0..count {
         if weights[j] != 0.0 {
             sum = sum + R::of(weights[j]) * values[j];
@@ -131,7 +132,14 @@ impl<const S: usize> Nystrom<S> {
         let (mut gain, mut forces) = (R::of(0.0), [f; S]);
         for i in 1..S {
             let ch = R::of(self.c[i]) * h;
-            gain = ch * v + h2 * sum(&self.a[i], &forces, i);
+            // The last force comes last: what is known before is not waited for.
+            let weights = &self.a[i];
+            gain = ch * v;
+            for j in 0..i {
+                if weights[j] != 0.0 {
+                    gain = gain + h2 * R::of(weights[j]) * forces[j];
+                }
+            }
             forces[i] = force(ch, w + gain);
         }
         Trial {

@@ -3,9 +3,10 @@
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-use super::bvh::Bvh;
-use super::scene::{Item, Placed, SharedMesh, Source};
+use super::bvh::{Bvh, EMPTY, LEAF_SIZE};
+use super::scene::{Item, Placed, SharedMesh, Single};
 use super::{Counts, Disk, Geometry, Instance, Mesh, Primitives, Sphere, Surface, Triangle};
+use crate::math::columns::Columns;
 
 impl Geometry {
     /// Builds the BVHs, in parallel.
@@ -27,16 +28,18 @@ impl Geometry {
             .zip(&uses)
             .map(|(mesh, &uses)| (uses > 1).then(|| SharedMesh::build(mesh)))
             .collect();
-        let mut items: Vec<Item> = (0..spheres.len() as u32).map(Item::Sphere).collect();
-        items.extend((0..disks.len() as u32).map(Item::Disk));
-        let mut sources = Vec::new();
+        let mut others: Vec<Item> = (0..spheres.len() as u32).map(Item::Sphere).collect();
+        others.extend((0..disks.len() as u32).map(Item::Disk));
+        let (mut singles, mut triangles) = (Vec::new(), 0);
         for (index, (instance, _)) in (0..).zip(&instances) {
             let mesh = instance.mesh as usize;
-            if uses[mesh] > 1 {
-                items.push(Item::Instance(index));
-            } else {
-                let triangles = 0..meshes[mesh].triangles.len() as u32;
-                sources.extend(triangles.map(|triangle| Source { instance: index, triangle }));
+            match (uses[mesh], meshes[mesh].triangles.len() as u32) {
+                (1, 0) => {}
+                (1, count) => {
+                    singles.push(Single { first: triangles, instance: index });
+                    triangles += count;
+                }
+                _ => others.push(Item::Instance(index)),
             }
         }
         let placed: Vec<Placed> =
@@ -45,11 +48,11 @@ impl Geometry {
         let mut geometry = Self {
             origin,
             bvh: Bvh::build(0, |_| Default::default()),
-            items,
+            others,
+            triangles: Columns::default(),
+            singles,
             spheres,
             disks,
-            triangles: Vec::new(),
-            sources: Vec::new(),
             meshes: Vec::new(),
             shared,
             placed,
@@ -60,31 +63,29 @@ impl Geometry {
             .iter()
             .map(|(instance, _)| Placing::new(&meshes[instance.mesh as usize], to_local(instance)))
             .collect();
-        geometry.build_top(&sources, &placings);
+        geometry.build_top(triangles as usize, &placings);
         meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
         geometry.meshes = meshes;
         geometry
     }
 
-    /// Builds the top hierarchy over items and triangles, and puts both in its leaf order. Triangles are placed twice, for
-    /// their boxes and in order: to keep them in between would take more memory than anything else.
-    fn build_top(&mut self, sources: &[Source], placings: &[Placing]) {
-        let triangle = |source: Source| placings[source.instance as usize].triangle(source.triangle);
-        let (others, count) = (self.items.len(), self.items.len() + sources.len());
-        let bounds = |index: usize| match index.checked_sub(others) {
-            None => self.item_box(self.items[index]),
-            Some(index) => triangle(sources[index]).bounds(),
+    /// Builds the top hierarchy over all members, and puts the triangles in its leaf order. They are placed twice, for their
+    /// boxes and in order: to keep them in between would take more memory than anything else.
+    fn build_top(&mut self, triangles: usize, placings: &[Placing]) {
+        let (others, count) = (self.others.len(), self.others.len() + triangles);
+        let triangle = |number: usize| {
+            let Single { first, instance } = self.single(number as u32);
+            placings[instance as usize].triangle(number as u32 - first)
+        };
+        let bounds = |index: usize| match self.others.get(index) {
+            Some(&item) => self.item_box(item),
+            None => triangle(index - others).bounds(),
         };
         let (typical_extent, bvh) = (self.median_extent(count, bounds), Bvh::build(count, bounds));
-        self.sources.reserve_exact(sources.len());
-        let source = |&index: &u32| (index as usize).checked_sub(others).map(|index| sources[index]);
-        self.sources.extend(bvh.order().iter().filter_map(source));
-        self.triangles = self.sources.par_iter().map(|&source| triangle(source)).collect();
-        let mut triangles = (0..).map(Item::Triangle);
-        let mut items = Vec::with_capacity(count);
-        let item = |&index: &u32| self.items.get(index as usize).copied().or_else(|| triangles.next());
-        items.extend(bvh.order().iter().filter_map(item));
-        self.items = items;
+        if triangles > 0 {
+            self.triangles =
+                in_slots(&bvh, |index| index.checked_sub(others).map_or(Triangle::NOWHERE, triangle));
+        }
         (self.typical_extent, self.bvh) = (typical_extent, bvh);
     }
 
@@ -100,7 +101,8 @@ impl Geometry {
                     disk.outer * (DVec3::ONE - disk.normal * disk.normal).max(DVec3::ZERO).map(f64::sqrt);
                 (disk.center - half, disk.center + half)
             }
-            Item::Triangle(i) => self.triangles[i as usize].bounds(),
+            // Only others are asked for.
+            Item::Triangle(_) => Default::default(),
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
                 let bvh = self.shared[placed.mesh as usize].as_ref().and_then(|shared| shared.bvh.bounds());
@@ -113,7 +115,7 @@ impl Geometry {
     /// Median box diagonal of what a ray can hit, triangles of shared meshes included.
     fn median_extent(&self, count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3)) -> f64 {
         const SAMPLES: usize = 10_000;
-        let extent = |index: usize| match self.items.get(index) {
+        let extent = |index: usize| match self.others.get(index) {
             Some(&Item::Instance(i)) => self.placed_extent(&self.placed[i as usize]),
             _ => {
                 let (min, max) = bounds(index);
@@ -132,7 +134,8 @@ impl Geometry {
     /// Median triangle of a placed mesh.
     fn placed_extent(&self, placed: &Placed) -> f64 {
         let Some(shared) = &self.shared[placed.mesh as usize] else { return 0.0 };
-        let triangle = &shared.triangles[shared.triangles.len() / 2];
+        let count = shared.triangles().count();
+        let Some((_, triangle)) = shared.triangles().nth(count / 2) else { return 0.0 };
         let (min, max) = triangle.bounds();
         min.distance(max) / placed.shrink
     }
@@ -142,10 +145,18 @@ impl SharedMesh {
     fn build(mesh: &Mesh) -> Self {
         let placing = Placing::new(mesh, DAffine3::IDENTITY);
         let bvh = Bvh::build(mesh.triangles.len(), |i| placing.triangle(i as u32).bounds());
-        let order = bvh.order().to_vec();
-        let triangles = order.par_iter().map(|&i| placing.triangle(i)).collect();
-        Self { bvh, triangles, order }
+        let triangles = in_slots(&bvh, |index| placing.triangle(index as u32));
+        Self { bvh, triangles }
     }
+}
+
+/// Triangles by leaf slot of a hierarchy.
+fn in_slots(bvh: &Bvh, triangle: impl Fn(usize) -> Triangle + Sync) -> Columns<Triangle> {
+    let order = bvh.order();
+    Columns::fill(order.len() / LEAF_SIZE, |slot| match order[slot] {
+        EMPTY => Triangle::NOWHERE,
+        index => triangle(index as usize),
+    })
 }
 
 impl Placed {
@@ -179,11 +190,11 @@ impl<'a> Placing<'a> {
     fn triangle(&self, index: u32) -> Triangle {
         let [a, b, c] = self.mesh.triangles[index as usize];
         let corners = if self.mirrored { [a, c, b] } else { [a, b, c] };
-        let place = |index: u32| {
+        let [a, b, c] = corners.map(|index| {
             let [x, y, z] = self.mesh.positions[index as usize].map(f64::from);
-            self.map.transform_point3(DVec3::new(x, y, z)).as_vec3().to_array()
-        };
-        Triangle { corners: corners.map(place) }
+            self.map.transform_point3(DVec3::new(x, y, z)).as_vec3()
+        });
+        Triangle { a, b, c }
     }
 }
 

@@ -88,24 +88,18 @@ impl Geometry {
     pub fn cut(&self, plane: &Plane) -> Vec<Cut> {
         let local = Plane { point: plane.point - self.origin, ..*plane };
         let mut cuts = Vec::new();
-        for &item in &self.items {
+        for (slot, item) in self.members() {
             match item {
                 Item::Sphere(i) => cuts.extend(local.cut_sphere(&self.spheres[i as usize].0)),
                 Item::Disk(i) => cuts.extend(local.cut_disk(&self.disks[i as usize].0)),
-                Item::Triangle(i) => {
-                    let triangle = &self.triangles[i as usize];
-                    cuts.extend(local.cut_triangle([0, 1, 2].map(|k| triangle.corner(k))));
-                }
+                Item::Triangle(_) => cuts.extend(local.cut_triangle(self.triangle(slot).corners())),
                 Item::Instance(i) => {
                     let placed = &self.placed[i as usize];
                     let Some(shared) = &self.shared[placed.mesh as usize] else { continue };
                     let to_local = placed.to_object.inverse();
-                    let corners =
-                        |k, triangle: &super::Triangle| to_local.transform_point3(triangle.corner(k));
-                    let triangles = shared.triangles.iter();
-                    cuts.extend(
-                        triangles.filter_map(|t| local.cut_triangle([0, 1, 2].map(|k| corners(k, t)))),
-                    );
+                    let place = |corner| to_local.transform_point3(corner);
+                    let triangles = shared.triangles().map(|(_, triangle)| triangle.corners().map(place));
+                    cuts.extend(triangles.filter_map(|corners| local.cut_triangle(corners)));
                 }
             }
         }

@@ -33,7 +33,9 @@ pub fn cross_line(line: &Line, disk: &Disk, leaves: bool) -> f64 {
 #[inline(always)]
 pub fn cross_arc(arc: &Arc, disk: &Disk, leaves: bool) -> f64 {
     let start = if leaves { 0.0 } else { disk.height(arc.p0) };
-    cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), leaves, |s| disk.holds(arc.point(s)))
+    let roots = cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), leaves);
+    let is_on = |&s: &f64| s < f64::INFINITY && disk.holds(arc.point(s));
+    roots.into_iter().find(is_on).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::sphere::FromStart;
 use super::{Geometry, Line, PrimitiveId, Segment, Sphere};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
-use crate::math::columns::{Columns, LANES, Row};
+use crate::math::columns::{LANES, Row};
 use crate::math::kernel::widest;
 
 /// What is not a number meets nothing.
@@ -34,23 +34,25 @@ struct Pending {
     along: [f64; 5],
 }
 
-/// Segments to be searched and what they meet first. Its memory is used again from round to round.
+/// What segments meet first. Its memory is used again from round to round.
 #[derive(Default)]
-pub struct FewSearch<S: Row> {
-    /// What to search.
-    pub queries: Columns<Query<S>>,
+pub struct Few {
     best: Vec<Crossings>,
     pending: Vec<Pending>,
 }
 
-impl<S: SideBySide> FewSearch<S> {
-    /// World position and primitive of the first crossing of a lane's segment.
+impl Few {
+    /// Searches blocks of queries. Only where there are [few](Geometry::is_few) primitives.
+    pub fn search<S: SideBySide>(&mut self, geometry: &Geometry, queries: &[<Query<S> as Row>::Block]) {
+        widest(Searching::<S> { geometry, queries, few: self });
+    }
+
+    /// Parameter, infinite if there is none, and primitive of the first crossing of a lane's segment.
     #[inline(always)]
-    pub fn first(&self, lane: usize) -> Option<(DVec3, PrimitiveId)> {
+    pub fn first(&self, lane: usize) -> (f64, PrimitiveId) {
         let block = &self.best[lane / LANES];
-        let (s, item) = (block.s[lane % LANES], block.slot[lane % LANES]);
-        let is_met = s < f64::INFINITY;
-        is_met.then(|| (self.queries.get(lane).segment.point(s), PrimitiveId { item, triangle: 0 }))
+        let item = block.slot[lane % LANES];
+        (block.s[lane % LANES], PrimitiveId { item, triangle: 0 })
     }
 }
 
@@ -163,12 +165,7 @@ fn screen(
 impl Geometry {
     /// Whether segments of this kind are tested against all primitives side by side.
     pub fn is_few<S: SideBySide>(&self) -> bool {
-        self.items.len() <= S::FEW && !self.items.iter().any(|item| matches!(item, Item::Instance(_)))
-    }
-
-    /// Searches the first `lanes` queries. Only where there are [few](Self::is_few) primitives.
-    pub fn search_few<S: SideBySide>(&self, search: &mut FewSearch<S>, lanes: usize) {
-        widest(Few { geometry: self, search, lanes });
+        self.bvh.len() <= S::FEW && !self.others.iter().any(|item| matches!(item, Item::Instance(_)))
     }
 
     /// Whether slot `a` was given before slot `b`.
@@ -179,21 +176,21 @@ impl Geometry {
     }
 }
 
-struct Few<'a, S: Row> {
+struct Searching<'a, S: SideBySide> {
     geometry: &'a Geometry,
-    search: &'a mut FewSearch<S>,
-    lanes: usize,
+    queries: &'a [QueryBlock<S::Block>],
+    few: &'a mut Few,
 }
 
-impl<S: SideBySide> pulp::NullaryFnOnce for Few<'_, S> {
+impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Few { geometry, search: FewSearch { queries, best, pending }, lanes } = self;
+        let Searching { geometry, queries, few: Few { best, pending } } = self;
         best.clear();
         pending.clear();
-        for (number, queries) in queries.blocks(lanes).iter().enumerate() {
+        for (number, queries) in queries.iter().enumerate() {
             best.push(first_crossings::<S>(geometry, queries, |lane, slot, along| {
                 pending.push(Pending { lane: (number * LANES + lane) as u32, slot, along });
             }));
@@ -233,10 +230,10 @@ fn first_crossings<S: SideBySide>(
         _ => u64::MAX,
     });
     let mut best = Crossings { s: [f64::INFINITY; LANES], slot: [0; LANES] };
-    for (slot, item) in geometry.items.iter().enumerate() {
-        let (slot, number) = (slot as u32, slot as u64);
+    for (slot, item) in geometry.members() {
+        let number = u64::from(slot);
         let mut s = [f64::INFINITY; LANES];
-        match *item {
+        match item {
             Item::Sphere(i) => {
                 let sphere = geometry.spheres[i as usize].0;
                 let found = |lane: usize, at: f64| s[lane] = at;
@@ -249,8 +246,8 @@ fn first_crossings<S: SideBySide>(
                     s[lane] = S::get(&segments, lane).cross_disk(&disk, own[lane] == number);
                 }
             }
-            Item::Triangle(i) => {
-                let triangle = geometry.triangles[i as usize];
+            Item::Triangle(_) => {
+                let triangle = geometry.triangle(slot);
                 for lane in 0..LANES {
                     s[lane] = S::get(&segments, lane).cross_triangle(&triangle, own[lane] == number);
                 }

@@ -26,14 +26,18 @@ pub struct Instance {
 }
 
 impl Mesh {
-    /// The vertex normals of `triangle`, weighted; `None` if the mesh has none.
-    pub(super) fn interpolated_normal(&self, triangle: u32, weights: [f64; 3]) -> Option<DVec3> {
+    /// The vertex normals of `triangle`, weighted; `None` if the mesh has none, and nobody asks for the weights.
+    pub(super) fn interpolated_normal(
+        &self,
+        triangle: u32,
+        weights: impl FnOnce() -> [f64; 3],
+    ) -> Option<DVec3> {
         if self.normals.is_empty() {
             return None;
         }
         let corners = self.triangles[triangle as usize];
         let normal = |index: u32| DVec3::from(self.normals[index as usize].map(f64::from));
-        Some(corners.iter().zip(weights).map(|(&index, weight)| weight * normal(index)).sum())
+        Some(corners.iter().zip(weights()).map(|(&index, weight)| weight * normal(index)).sum())
     }
 
     /// Once triangles are in a hierarchy, only vertex normals and what finds them are still read.

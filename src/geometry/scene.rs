@@ -7,11 +7,10 @@
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, EMPTY};
 use super::distance::Reach;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
-use crate::math::columns::{columns, plain_field};
-use crate::math::kernel::widest;
+use crate::math::columns::{Columns, columns, plain_field};
 
 /// Names a primitive; for triangles of an instance both numbers matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -105,23 +104,23 @@ pub struct Counts {
 pub(super) enum Item {
     Sphere(u32),
     Disk(u32),
-    /// Index into `triangles` and `sources`.
-    Triangle(u32),
     Instance(u32),
+    /// The triangle of that number, counted over all meshes that appear once.
+    Triangle(u32),
 }
 
-/// Where a triangle of the top hierarchy comes from.
+/// A mesh whose triangles are in the top hierarchy.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Source {
+pub(super) struct Single {
+    /// Number of its first triangle.
+    pub(super) first: u32,
     pub(super) instance: u32,
-    pub(super) triangle: u32,
 }
 
-/// A mesh with its own hierarchy, triangles in leaf order. Empty if the mesh's triangles are in the top hierarchy.
+/// A mesh with its own hierarchy, triangles by leaf slot. Empty if the mesh's triangles are in the top hierarchy.
 pub(super) struct SharedMesh {
     pub(super) bvh: Bvh,
-    pub(super) triangles: Vec<Triangle>,
-    pub(super) order: Vec<u32>,
+    pub(super) triangles: Columns<Triangle>,
 }
 
 /// A placed mesh.
@@ -139,11 +138,14 @@ pub(super) struct Placed {
 pub struct Geometry {
     pub(super) origin: DVec3,
     pub(super) bvh: Bvh,
-    pub(super) items: Vec<Item>,
+    /// All members of the top hierarchy but triangles, which come after them in its order.
+    pub(super) others: Vec<Item>,
+    /// By leaf slot of the top hierarchy; empty where there is none.
+    pub(super) triangles: Columns<Triangle>,
+    /// By number of their triangles.
+    pub(super) singles: Vec<Single>,
     pub(super) spheres: Vec<(Sphere, Surface)>,
     pub(super) disks: Vec<(Disk, Surface)>,
-    pub(super) triangles: Vec<Triangle>,
-    pub(super) sources: Vec<Source>,
     pub(super) meshes: Vec<Mesh>,
     pub(super) shared: Vec<Option<SharedMesh>>,
     pub(super) placed: Vec<Placed>,
@@ -152,75 +154,30 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// The first primitive that `segment` meets; `leaves` is the one it starts on.
-    ///
-    /// Where two primitives are met at the very same parameter the one that was given first wins, whatever the order of
-    /// the hierarchy.
-    #[inline]
-    pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        widest(Search { geometry: self, segment, leaves })
-    }
-
+    /// What is in a slot of the top hierarchy.
     #[inline(always)]
-    fn search<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        let segment = &segment.shifted(-self.origin);
-        let chord = segment.chord();
-        let direction = (chord.end - chord.start).normalize_or_zero();
-        let mut nearest: Option<Hit> = None;
-        let only_triangles = self.triangles.len() == self.items.len();
-        self.bvh.walk(&chord, |slot| {
-            let item = slot as u32;
-            let own = |triangle: u32| leaves == PrimitiveId { item, triangle };
-            let kind = if only_triangles { Item::Triangle(item) } else { self.items[slot] };
-            let found = match kind {
-                Item::Triangle(i) => (segment.cross_triangle(&self.triangles[i as usize], own(0)), 0),
-                Item::Sphere(i) => (segment.cross_sphere(&self.spheres[i as usize].0, own(0)), 0),
-                Item::Disk(i) => (segment.cross_disk(&self.disks[i as usize].0, own(0)), 0),
-                Item::Instance(i) => {
-                    let left = (leaves.item == item).then_some(leaves.triangle);
-                    self.intersect_instance(&self.placed[i as usize], segment, left)
-                }
-            };
-            let (s, triangle) = found;
-            if s == f64::INFINITY {
-                return s;
-            }
-            let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
-            if nearest.is_none_or(|best| self.is_before(&hit, &best)) {
-                nearest = Some(hit);
-            }
-            (segment.point(s) - chord.start).dot(direction)
-        });
-        nearest
+    pub(super) fn item(&self, slot: u32) -> Item {
+        let index = self.bvh.order()[slot as usize];
+        match self.others.get(index as usize) {
+            Some(&item) => item,
+            None => Item::Triangle(index - self.others.len() as u32),
+        }
     }
 
-    /// The first triangle of a placed mesh that `segment` (world, relative to the origin) meets, by parameter (infinite if
-    /// there is none) and slot.
-    fn intersect_instance<S: Segment>(
-        &self,
-        placed: &Placed,
-        segment: &S,
-        leaves: Option<u32>,
-    ) -> (f64, u32) {
-        let Some(shared) = &self.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
-        let segment = segment.transformed(&placed.to_object);
-        let chord = segment.chord();
-        let direction = (chord.end - chord.start).normalize_or_zero();
-        let mut nearest = (f64::INFINITY, 0);
-        shared.bvh.walk(&chord, |slot| {
-            let own = leaves == Some(slot as u32);
-            let s = segment.cross_triangle(&shared.triangles[slot], own);
-            if s == f64::INFINITY {
-                return s;
-            }
-            let original = |slot: u32| shared.order[slot as usize];
-            let (best, at) = nearest;
-            if s < best || (s == best && original(slot as u32) < original(at)) {
-                nearest = (s, slot as u32);
-            }
-            (segment.point(s) - chord.start).dot(direction)
-        });
-        nearest
+    /// All members of the top hierarchy, with their slots.
+    pub(super) fn members(&self) -> impl Iterator<Item = (u32, Item)> {
+        self.bvh.filled().map(|(slot, _)| (slot, self.item(slot)))
+    }
+
+    /// The triangle in a slot of the top hierarchy.
+    #[inline(always)]
+    pub(super) fn triangle(&self, slot: u32) -> Triangle {
+        self.triangles.get(slot as usize)
+    }
+
+    /// The mesh that triangle `number` is a part of.
+    pub(super) fn single(&self, number: u32) -> Single {
+        self.singles[self.singles.partition_point(|single| single.first <= number) - 1]
     }
 
     /// Every primitive tested against `segment`, without a BVH: the oracle for [`Self::intersect`].
@@ -236,21 +193,19 @@ impl Geometry {
                 nearest = Some(hit);
             }
         };
-        for (slot, item) in self.items.iter().enumerate() {
-            let id = |triangle: usize| PrimitiveId { item: slot as u32, triangle: triangle as u32 };
-            let own = |triangle: usize| leaves == id(triangle);
-            match *item {
-                Item::Triangle(i) => {
-                    consider(segment.cross_triangle(&self.triangles[i as usize], own(0)), id(0))
-                }
+        for (slot, item) in self.members() {
+            let id = |triangle: u32| PrimitiveId { item: slot, triangle };
+            let own = |triangle: u32| leaves == id(triangle);
+            match item {
+                Item::Triangle(_) => consider(segment.cross_triangle(&self.triangle(slot), own(0)), id(0)),
                 Item::Sphere(i) => consider(segment.cross_sphere(&self.spheres[i as usize].0, own(0)), id(0)),
                 Item::Disk(i) => consider(segment.cross_disk(&self.disks[i as usize].0, own(0)), id(0)),
                 Item::Instance(i) => {
                     let placed = &self.placed[i as usize];
                     let Some(shared) = &self.shared[placed.mesh as usize] else { continue };
                     let inner = segment.transformed(&placed.to_object);
-                    for (slot, triangle) in shared.triangles.iter().enumerate() {
-                        consider(inner.cross_triangle(triangle, own(slot)), id(slot));
+                    for (slot, triangle) in shared.triangles() {
+                        consider(inner.cross_triangle(&triangle, own(slot)), id(slot));
                     }
                 }
             }
@@ -258,14 +213,14 @@ impl Geometry {
         nearest
     }
 
-    fn is_before(&self, a: &Hit, b: &Hit) -> bool {
+    pub(super) fn is_before(&self, a: &Hit, b: &Hit) -> bool {
         let given = |hit: &Hit| (self.bvh.order()[hit.primitive.item as usize], hit.primitive.triangle);
         a.s < b.s || (a.s == b.s && given(a) < given(b))
     }
 
     /// The carrier of a primitive, in the world.
     pub fn carrier(&self, primitive: PrimitiveId) -> Carrier {
-        match self.items[primitive.item as usize] {
+        match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let Sphere { center, radius } = self.spheres[i as usize].0;
                 Carrier { anchor: center + self.origin, normal: DVec3::ZERO, radius }
@@ -274,15 +229,17 @@ impl Geometry {
                 let Disk { center, normal, .. } = self.disks[i as usize].0;
                 Carrier::plane(center + self.origin, normal)
             }
-            Item::Triangle(i) => {
-                let triangle = &self.triangles[i as usize];
-                Carrier::plane(triangle.corner(0) + self.origin, triangle.normal().normalize_or_zero())
+            Item::Triangle(_) => {
+                let triangle = self.triangle(primitive.item);
+                let [corner, ..] = triangle.corners();
+                Carrier::plane(corner + self.origin, triangle.normal().normalize_or_zero())
             }
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
                 let Some(shared) = &self.shared[placed.mesh as usize] else { return Carrier::default() };
-                let triangle = &shared.triangles[primitive.triangle as usize];
-                let anchor = placed.to_object.inverse().transform_point3(triangle.corner(0));
+                let triangle = shared.triangles.get(primitive.triangle as usize);
+                let [corner, ..] = triangle.corners();
+                let anchor = placed.to_object.inverse().transform_point3(corner);
                 let normal = (placed.normal_to_world * triangle.normal()).normalize_or_zero();
                 Carrier::plane(anchor + self.origin, normal)
             }
@@ -292,15 +249,15 @@ impl Geometry {
     /// Whether a world point of a primitive's carrier lies on the primitive itself.
     pub fn covers(&self, primitive: PrimitiveId, point: DVec3) -> bool {
         let point = point - self.origin;
-        match self.items[primitive.item as usize] {
+        match self.item(primitive.item) {
             Item::Sphere(_) => true,
             Item::Disk(i) => self.disks[i as usize].0.holds(point),
-            Item::Triangle(i) => self.triangles[i as usize].holds(point),
+            Item::Triangle(_) => self.triangle(primitive.item).holds(point),
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
                 let point = placed.to_object.transform_point3(point);
                 let shared = self.shared[placed.mesh as usize].as_ref();
-                shared.is_some_and(|shared| shared.triangles[primitive.triangle as usize].holds(point))
+                shared.is_some_and(|shared| shared.triangles.get(primitive.triangle as usize).holds(point))
             }
         }
     }
@@ -308,7 +265,7 @@ impl Geometry {
     /// The surface of `primitive` at the world point `point`.
     pub fn surface_point(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
         let point = point - self.origin;
-        match self.items[primitive.item as usize] {
+        match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let (sphere, surface) = &self.spheres[i as usize];
                 SurfacePoint::flat((point - sphere.center).normalize(), *surface)
@@ -317,14 +274,16 @@ impl Geometry {
                 let (disk, surface) = &self.disks[i as usize];
                 SurfacePoint::flat(disk.normal, *surface)
             }
-            Item::Triangle(i) => {
-                let Source { instance, triangle } = self.sources[i as usize];
-                let corners = &self.triangles[i as usize];
+            Item::Triangle(number) => {
+                let Single { instance, first } = self.single(number);
+                let (triangle, corners) = (number - first, self.triangle(primitive.item));
                 let placed = &self.placed[instance as usize];
-                // Flattened triangles of mirrored placements were rewound, see `Placing`.
-                let rewound = placed.to_object.matrix3.determinant() < 0.0;
-                let (u, v) = corners.barycentrics(point);
-                let weights = if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] };
+                let weights = || {
+                    let (u, v) = corners.barycentrics(point);
+                    // Flattened triangles of mirrored placements were rewound, see `Placing`.
+                    let rewound = placed.to_object.matrix3.determinant() < 0.0;
+                    if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
+                };
                 self.triangle_point(placed, triangle, weights, corners.normal().normalize())
             }
             Item::Instance(i) => {
@@ -332,11 +291,14 @@ impl Geometry {
                 let Some(shared) = &self.shared[placed.mesh as usize] else {
                     return SurfacePoint::flat(DVec3::Z, placed.surface);
                 };
-                let corners = &shared.triangles[primitive.triangle as usize];
-                let (u, v) = corners.barycentrics(placed.to_object.transform_point3(point));
+                let corners = shared.triangles.get(primitive.triangle as usize);
+                let weights = || {
+                    let (u, v) = corners.barycentrics(placed.to_object.transform_point3(point));
+                    [1.0 - u - v, u, v]
+                };
                 let normal = (placed.normal_to_world * corners.normal()).normalize();
-                let triangle = shared.order[primitive.triangle as usize];
-                self.triangle_point(placed, triangle, [1.0 - u - v, u, v], normal)
+                let triangle = shared.bvh.order()[primitive.triangle as usize];
+                self.triangle_point(placed, triangle, weights, normal)
             }
         }
     }
@@ -345,7 +307,7 @@ impl Geometry {
         &self,
         placed: &Placed,
         triangle: u32,
-        weights: [f64; 3],
+        weights: impl FnOnce() -> [f64; 3],
         normal: DVec3,
     ) -> SurfacePoint {
         let mesh = &self.meshes[placed.mesh as usize];
@@ -358,10 +320,10 @@ impl Geometry {
 
     /// What `primitive` belongs to.
     pub fn surface(&self, primitive: PrimitiveId) -> Surface {
-        match self.items[primitive.item as usize] {
+        match self.item(primitive.item) {
             Item::Sphere(i) => self.spheres[i as usize].1,
             Item::Disk(i) => self.disks[i as usize].1,
-            Item::Triangle(i) => self.placed[self.sources[i as usize].instance as usize].surface,
+            Item::Triangle(number) => self.placed[self.single(number).instance as usize].surface,
             Item::Instance(i) => self.placed[i as usize].surface,
         }
     }
@@ -369,27 +331,26 @@ impl Geometry {
     /// Smallest and largest distance of any primitive from the world point `from`; `None` without primitives.
     pub fn radii(&self, from: DVec3) -> Option<(f64, f64)> {
         let from = from - self.origin;
-        let reach = self
-            .items
-            .par_iter()
-            .map(|&item| match item {
+        let order = self.bvh.order();
+        let reach = (0..order.len() as u32)
+            .into_par_iter()
+            .filter(|&slot| order[slot as usize] != EMPTY)
+            .map(|slot| match self.item(slot) {
                 Item::Sphere(i) => Reach::sphere(from, &self.spheres[i as usize].0),
                 Item::Disk(i) => Reach::disk(from, &self.disks[i as usize].0),
-                Item::Triangle(i) => {
-                    let triangle = &self.triangles[i as usize];
-                    Reach::triangle(from, [0, 1, 2].map(|k| triangle.corner(k)))
-                }
+                Item::Triangle(_) => Reach::triangle(from, self.triangle(slot).corners()),
                 Item::Instance(i) => self.placed_reach(&self.placed[i as usize], from),
             })
             .reduce(|| Reach::NOTHING, Reach::union);
-        (!self.items.is_empty()).then_some((reach.nearest, reach.farthest))
+        (!order.is_empty()).then_some((reach.nearest, reach.farthest))
     }
 
     fn placed_reach(&self, placed: &Placed, from: DVec3) -> Reach {
         let Some(shared) = &self.shared[placed.mesh as usize] else { return Reach::NOTHING };
         let to_local = placed.to_object.inverse();
-        let corners = |t: &Triangle| [0, 1, 2].map(|k| to_local.transform_point3(t.corner(k)));
-        shared.triangles.iter().map(|t| Reach::triangle(from, corners(t))).fold(Reach::NOTHING, Reach::union)
+        let placed = |triangle: Triangle| triangle.corners().map(|corner| to_local.transform_point3(corner));
+        let reaches = shared.triangles().map(|(_, triangle)| Reach::triangle(from, placed(triangle)));
+        reaches.fold(Reach::NOTHING, Reach::union)
     }
 
     /// World bounds of everything; `None` without primitives.
@@ -409,28 +370,19 @@ impl Geometry {
 
     /// Heap memory of primitives and hierarchies, bytes.
     pub fn memory_bytes(&self) -> usize {
-        let shared = |s: &SharedMesh| s.bvh.memory_bytes() + s.triangles.len() * (size_of::<Triangle>() + 4);
+        let shared = |s: &SharedMesh| s.bvh.memory_bytes() + s.triangles.memory_bytes();
         self.bvh.memory_bytes()
-            + self.items.len() * size_of::<Item>()
-            + self.triangles.len() * (size_of::<Triangle>() + size_of::<Source>())
+            + self.others.len() * size_of::<Item>()
+            + self.triangles.memory_bytes()
             + self.meshes.iter().map(Mesh::memory_bytes).sum::<usize>()
             + self.shared.iter().flatten().map(shared).sum::<usize>()
     }
 }
 
-/// A search, for the widest vectors that the machine has.
-struct Search<'a, S> {
-    geometry: &'a Geometry,
-    segment: &'a S,
-    leaves: PrimitiveId,
-}
-
-impl<S: Segment> pulp::NullaryFnOnce for Search<'_, S> {
-    type Output = Option<Hit>;
-
-    #[inline(always)]
-    fn call(self) -> Option<Hit> {
-        self.geometry.search(self.segment, self.leaves)
+impl SharedMesh {
+    /// Triangles with their slots.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = (u32, Triangle)> {
+        self.bvh.filled().map(|(slot, _)| (slot, self.triangles.get(slot as usize)))
     }
 }
 

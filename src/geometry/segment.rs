@@ -13,8 +13,9 @@ pub struct Chord {
     pub start: DVec3,
     /// End.
     pub end: DVec3,
-    /// Largest distance between the segment and the chord.
-    pub sagitta: f64,
+    /// The way from the chord to the segment where they are farthest apart, square to the chord: elsewhere the segment is a
+    /// part of that way off.
+    pub bow: DVec3,
 }
 
 /// A piece of a ray over a parameter s in [0, 1], half-open: a crossing at the shared end of two segments belongs to
@@ -23,7 +24,9 @@ pub struct Chord {
 /// The intersections give the smallest s at which the segment crosses the shape, infinite if there is none. `leaves` says that the segment starts
 /// on that very shape: the crossing at s = 0 is then divided out exactly, and later ones count.
 pub trait Segment: Copy {
-    /// Chord and sagitta.
+    /// Whether it may leave its chord, and so come back to a plane that it starts on.
+    const BENDS: bool;
+    /// Chord and bow.
     fn chord(&self) -> Chord;
     /// Point at `s`.
     fn point(&self, s: f64) -> DVec3;
@@ -53,9 +56,11 @@ columns! {
 }
 
 impl Segment for Line {
+    const BENDS: bool = false;
+
     #[inline(always)]
     fn chord(&self) -> Chord {
-        Chord { start: self.p0, end: self.p2, sagitta: 0.0 }
+        Chord { start: self.p0, end: self.p2, bow: DVec3::ZERO }
     }
 
     #[inline(always)]
@@ -97,9 +102,11 @@ impl Segment for Line {
 }
 
 impl Segment for Arc {
+    const BENDS: bool = true;
+
     #[inline(always)]
     fn chord(&self) -> Chord {
-        Chord { start: self.p0, end: self.p2, sagitta: self.sagitta() }
+        Chord { start: self.p0, end: self.p2, bow: self.bow() }
     }
 
     #[inline(always)]

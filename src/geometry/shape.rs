@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::scene::{Item, Placed};
+use super::scene::{Item, Placed, SharedMesh};
 use super::{Disk, Geometry, PrimitiveId, Sphere, Surface};
 
 /// The shape of a primitive, world space.
@@ -44,13 +44,13 @@ impl Geometry {
     /// The primitives whose surface is `wanted`, with their shapes; each triangle of each instance counts.
     pub fn shapes(&self, wanted: impl Fn(&Surface) -> bool) -> Vec<(PrimitiveId, Shape, Surface)> {
         let mut shapes = Vec::new();
-        for (slot, item) in self.items.iter().enumerate() {
-            let id = |triangle: usize| PrimitiveId { item: slot as u32, triangle: triangle as u32 };
+        for (slot, item) in self.members() {
+            let id = |triangle: u32| PrimitiveId { item: slot, triangle };
             let surface = self.surface(id(0));
             if !wanted(&surface) {
                 continue;
             }
-            match *item {
+            match item {
                 Item::Sphere(i) => {
                     let (sphere, _) = self.spheres[i as usize];
                     let sphere = Sphere { center: sphere.center + self.origin, ..sphere };
@@ -61,12 +61,12 @@ impl Geometry {
                     let disk = Disk { center: disk.center + self.origin, ..disk };
                     shapes.push((id(0), Shape::Disk(disk), surface));
                 }
-                Item::Triangle(i) => {
-                    let corners = [0, 1, 2].map(|k| self.triangles[i as usize].corner(k) + self.origin);
+                Item::Triangle(_) => {
+                    let corners = self.triangle(slot).corners().map(|corner| corner + self.origin);
                     shapes.push((id(0), Shape::Triangle(corners), surface));
                 }
                 Item::Instance(i) => {
-                    let placed = self.placed_shapes(&self.placed[i as usize]).enumerate();
+                    let placed = self.placed_shapes(&self.placed[i as usize]);
                     shapes.extend(placed.map(|(k, corners)| (id(k), Shape::Triangle(corners), surface)));
                 }
             }
@@ -74,14 +74,15 @@ impl Geometry {
         shapes
     }
 
-    /// Corners of the triangles of a placed mesh, world.
-    fn placed_shapes(&self, placed: &Placed) -> impl Iterator<Item = [DVec3; 3]> {
+    /// Slots and corners of the triangles of a placed mesh, world.
+    fn placed_shapes(&self, placed: &Placed) -> impl Iterator<Item = (u32, [DVec3; 3])> {
         let to_world = placed.to_object.inverse();
         let mirrored = to_world.matrix3.determinant() < 0.0;
-        let triangles = self.shared[placed.mesh as usize].iter().flat_map(|shared| &shared.triangles);
-        triangles.map(move |triangle| {
-            let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
-            order.map(|k| to_world.transform_point3(triangle.corner(k)) + self.origin)
+        let triangles = self.shared[placed.mesh as usize].iter().flat_map(SharedMesh::triangles);
+        triangles.map(move |(slot, triangle)| {
+            let [a, b, c] = triangle.corners();
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            (slot, corners.map(|corner| to_world.transform_point3(corner) + self.origin))
         })
     }
 }

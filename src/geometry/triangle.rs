@@ -1,16 +1,23 @@
 //! Triangle against line and arc.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::Line;
 use crate::geodesic::Arc;
 use crate::math::bernstein::positive;
+use crate::math::columns::columns;
 
-/// A triangle by its corners, as stored; computed with in f64.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Triangle {
-    /// Corners, counter-clockwise seen from the front.
-    pub corners: [[f32; 3]; 3],
+columns! {
+    /// A triangle by its corners, counter-clockwise seen from the front. Stored in f32, computed with in f64.
+    #[derive(PartialEq)]
+    pub struct Triangle => TriangleBlock {
+        /// Corner 0.
+        a: Vec3,
+        /// Corner 1.
+        b: Vec3,
+        /// Corner 2.
+        c: Vec3,
+    }
 }
 
 /// A triangle's corner, edges from it, and their cross product.
@@ -22,16 +29,18 @@ struct Frame {
 }
 
 impl Triangle {
-    /// Corner `i`.
+    /// One that is met by nothing, for lanes to spare.
+    pub const NOWHERE: Triangle = Triangle { a: Vec3::NAN, b: Vec3::NAN, c: Vec3::NAN };
+
+    /// Corners in f64.
     #[inline(always)]
-    pub fn corner(&self, i: usize) -> DVec3 {
-        let [x, y, z] = self.corners[i];
-        DVec3::new(x.into(), y.into(), z.into())
+    pub fn corners(&self) -> [DVec3; 3] {
+        [self.a.as_dvec3(), self.b.as_dvec3(), self.c.as_dvec3()]
     }
 
     /// Smallest box around the triangle.
     pub fn bounds(&self) -> (DVec3, DVec3) {
-        let [a, b, c] = [self.corner(0), self.corner(1), self.corner(2)];
+        let [a, b, c] = self.corners();
         (a.min(b).min(c), a.max(b).max(c))
     }
 
@@ -55,8 +64,8 @@ impl Triangle {
 
     #[inline(always)]
     fn frame(&self) -> Frame {
-        let corner = self.corner(0);
-        let (e1, e2) = (self.corner(1) - corner, self.corner(2) - corner);
+        let [corner, b, c] = self.corners();
+        let (e1, e2) = (b - corner, c - corner);
         Frame { corner, e1, e2, normal: e1.cross(e2) }
     }
 }
@@ -71,22 +80,36 @@ impl Frame {
         let u = to.cross(self.e2).dot(self.normal);
         let v = self.e1.cross(to).dot(self.normal);
         let area2 = self.normal.length_squared();
-        let extent = self.e1.abs().max(self.e2.abs()).max_element();
-        let reach = p.abs().max(self.corner.abs()).max_element();
-        let slack = 2e-15 * reach * extent * area2.sqrt();
-        u >= -slack && v >= -slack && u + v <= area2 + slack
+        let reach = largest(p).max(largest(self.corner));
+        let slack = 4e-15 * reach * largest(self.e1).max(largest(self.e2)) * largest(self.normal);
+        (u >= -slack) & (v >= -slack) & (u + v <= area2 + slack)
     }
 }
 
 /// First crossing of `triangle` by `line`; infinite if there is none.
+///
+/// By the signed volumes of Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection": nothing is
+/// divided before it is known to be a hit.
 #[inline(always)]
 pub fn cross_line(line: &Line, triangle: &Triangle, leaves: bool) -> f64 {
-    let frame = triangle.frame();
-    let start = frame.normal.dot(line.p0 - frame.corner);
-    let end = frame.normal.dot(line.p2 - frame.corner);
-    let crosses = !leaves & (positive(start) != positive(end));
-    let s = start / (start - end);
-    if crosses && frame.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
+    let [corner, b, c] = triangle.corners();
+    let (along, e1, e2, from) = (line.p2 - line.p0, b - corner, c - corner, line.p0 - corner);
+    let (p, q) = (along.cross(e2), from.cross(e1));
+    let (whole, u, v, start) = (e1.dot(p), from.dot(p), along.dot(q), e2.dot(q));
+    let crosses = !leaves & (positive(start) != positive(start - whole));
+    let front = if positive(whole) { 1.0 } else { -1.0 };
+    let (u, v, whole_area) = (front * u, front * v, front * whole);
+    // Edges are widened by the rounding of the volumes, so that no ray slips between two triangles.
+    let reach = largest(from).max(largest(line.p0));
+    let slack = 4e-15 * reach * largest(along) * largest(e1).max(largest(e2));
+    let inside = (u >= -slack) & (v >= -slack) & (u + v <= whole_area + slack);
+    if crosses & inside { start / whole } else { f64::INFINITY }
+}
+
+/// Largest component by size.
+#[inline(always)]
+fn largest(v: DVec3) -> f64 {
+    v.abs().max_element()
 }
 
 /// First crossing of `triangle` by `arc`; infinite if there is none.
@@ -95,49 +118,53 @@ pub fn cross_arc(arc: &Arc, triangle: &Triangle, leaves: bool) -> f64 {
     let frame = triangle.frame();
     let height = |p: DVec3| frame.normal.dot(p - frame.corner);
     let start = if leaves { 0.0 } else { height(arc.p0) };
-    let accepts = |s: f64| frame.holds(arc.point(s));
-    cross_plane(start, arc.w * height(arc.p1), height(arc.p2), leaves, accepts)
+    let [first, second] = cross_plane(start, arc.w * height(arc.p1), height(arc.p2), leaves);
+    if first < f64::INFINITY && frame.holds(arc.point(first)) {
+        first
+    } else if second < f64::INFINITY && frame.holds(arc.point(second)) {
+        second
+    } else {
+        f64::INFINITY
+    }
 }
 
-/// First sign change of the quadratic with Bernstein coefficients `start`, `middle`, `end` that is `accepted`; infinite
-/// if there is none.
+/// The places where the quadratic with Bernstein coefficients `start`, `middle`, `end` is 0, in order; infinite for those
+/// that there are not.
 ///
 /// `leaves`: the root at 0 (where `start` vanishes) does not count.
 #[inline(always)]
-pub fn cross_plane(start: f64, middle: f64, end: f64, leaves: bool, accepted: impl Fn(f64) -> bool) -> f64 {
+pub fn cross_plane(start: f64, middle: f64, end: f64, leaves: bool) -> [f64; 2] {
+    const NONE: f64 = f64::INFINITY;
     if leaves {
         // Divided by s: (1−s) 2 middle + s end.
         let crosses = positive(middle) != positive(end);
-        let s = 2.0 * middle / (2.0 * middle - end);
-        return if crosses && accepted(s) { s } else { f64::INFINITY };
+        return [if crosses { 2.0 * middle / (2.0 * middle - end) } else { NONE }, NONE];
     }
     let crosses = positive(start) != positive(end);
     if !crosses && positive(start) == positive(middle) {
-        return f64::INFINITY;
+        return [NONE; 2];
     }
     // With τ = s/(1−s): end τ² + 2 middle τ + start = 0; s = numerator/(numerator + denominator) never overflows.
     let discriminant = middle * middle - start * end;
     if !crosses && discriminant <= 0.0 {
-        return f64::INFINITY;
+        return [NONE; 2];
     }
     let q = -(middle + discriminant.max(0.0).sqrt().copysign(middle));
-    let (one, other) = (q / (q + end), start / (start + q));
     if crosses {
         // Roots of opposite sign in τ: the positive one is in the interval.
-        let s = if positive(q) == positive(end) { one } else { other };
-        let s = if s.is_nan() { 1.0 } else { s.clamp(0.0, 1.0) };
-        return if accepted(s) { s } else { f64::INFINITY };
+        let s = if positive(q) == positive(end) { q / (q + end) } else { start / (start + q) };
+        return [if s.is_nan() { 1.0 } else { s.clamp(0.0, 1.0) }, NONE];
     }
-    let (first, second) = if one <= other { (one, other) } else { (other, one) };
-    let inside = |s: &f64| (0.0..=1.0).contains(s) && accepted(*s);
-    [first, second].into_iter().find(inside).unwrap_or(f64::INFINITY)
+    let [one, other] =
+        [q / (q + end), start / (start + q)].map(|s| if (0.0..=1.0).contains(&s) { s } else { NONE });
+    [one.min(other), one.max(other)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const UNIT: Triangle = Triangle { corners: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
+    const UNIT: Triangle = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
 
     #[test]
     fn a_line_hits_inside_and_on_the_edges_and_misses_outside() {

@@ -14,14 +14,21 @@ use crate::math::turn;
 pub struct Emitter {
     /// Its name in the geometry.
     pub primitive: PrimitiveId,
-    /// Its shape.
-    pub shape: Shape,
+    /// The part of it on which points are chosen.
+    pub form: Form,
     /// Emitted radiance.
     pub radiance: Vec3,
     /// Whether its back emits, too.
     pub both_sides: bool,
-    /// The part of a sphere to which points are limited, if not all of it can be seen.
-    pub cap: Option<Cap>,
+}
+
+/// Where on an emitter points are chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Everywhere.
+    Whole(Shape),
+    /// On the part of a sphere that can be seen.
+    Cap(Sphere, Cap),
 }
 
 /// A cap of a sphere.
@@ -84,51 +91,50 @@ const EVEN: f64 = 0.1;
 impl Emitter {
     /// The point of which [`View`] tells the direction.
     pub fn middle(&self) -> DVec3 {
-        match self.shape {
-            Shape::Sphere(sphere) => sphere.center,
-            Shape::Disk(disk) => disk.center,
-            Shape::Triangle([a, b, c]) => (a + b + c) / 3.0,
+        match self.form {
+            Form::Whole(Shape::Sphere(sphere)) | Form::Cap(sphere, _) => sphere.center,
+            Form::Whole(Shape::Disk(disk)) => disk.center,
+            Form::Whole(Shape::Triangle([a, b, c])) => (a + b + c) / 3.0,
         }
     }
 
-    /// Whether its back cannot be seen from its front.
-    pub fn is_closed(&self) -> bool {
-        matches!(self.shape, Shape::Sphere(_))
+    /// The sphere that it is, or is a part of: its back cannot be seen from its front.
+    pub fn sphere(&self) -> Option<Sphere> {
+        match self.form {
+            Form::Whole(Shape::Sphere(sphere)) | Form::Cap(sphere, _) => Some(sphere),
+            Form::Whole(_) => None,
+        }
     }
 
     /// Whether points depend on the view.
     pub fn needs_view(&self) -> bool {
-        self.is_closed() && self.cap.is_none()
+        matches!(self.form, Form::Whole(Shape::Sphere(_)))
     }
 
     /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
     /// and of a sphere from the side on which the place is.
     pub fn is_lit_by(&self, cos: f64, place: DVec3) -> bool {
-        let is_front = match self.shape {
-            Shape::Sphere(sphere) => place.distance_squared(sphere.center) > sphere.radius * sphere.radius,
-            _ => cos > 0.0,
+        let is_front = match self.sphere() {
+            Some(sphere) => place.distance_squared(sphere.center) > sphere.radius * sphere.radius,
+            None => cos > 0.0,
         };
         (cos > 0.0) == is_front && cos != 0.0 && (is_front || self.both_sides)
     }
 
     /// A point, from two numbers in [0, 1).
     pub fn sample(&self, view: &View, u: f64, v: f64) -> Option<Spot> {
-        let (position, normal) = match self.shape {
-            Shape::Sphere(sphere) => {
-                let normal = match self.cap {
-                    Some(cap) => around(cap.axis, u * cap.height, v),
-                    None => sphere_normal(&sphere, view, u, v)?,
-                };
-                (sphere.center + sphere.radius * normal, normal)
-            }
-            Shape::Disk(disk) => {
+        let on = |sphere: Sphere, normal: DVec3| (sphere.center + sphere.radius * normal, normal);
+        let (position, normal) = match self.form {
+            Form::Cap(sphere, cap) => on(sphere, around(cap.axis, u * cap.height, v)),
+            Form::Whole(Shape::Sphere(sphere)) => on(sphere, sphere_normal(&sphere, view, u, v)?),
+            Form::Whole(Shape::Disk(disk)) => {
                 let (tangent, bitangent) = tangents(disk.normal);
                 let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
                 let radius = (inner2 + u * (outer2 - inner2)).sqrt();
                 let (sin, cos) = turn::sin_cos(v);
                 (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
             }
-            Shape::Triangle([a, b, c]) => {
+            Form::Whole(Shape::Triangle([a, b, c])) => {
                 // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
                 let (u, v) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
                 let normal = (b - a).cross(c - a).try_normalize()?;
@@ -141,36 +147,33 @@ impl Emitter {
 
     /// Density over the area of a point with this normal.
     pub fn density(&self, view: &View, normal: DVec3) -> f64 {
-        match (self.shape, self.cap) {
-            (Shape::Sphere(sphere), Some(cap)) => {
-                if cap.holds(normal) {
-                    1.0 / cap.area(sphere.radius)
-                } else {
-                    0.0
-                }
-            }
-            (Shape::Sphere(sphere), None) => sphere_density(&sphere, view, normal),
-            _ => 1.0 / self.shape.area(),
+        match self.form {
+            Form::Cap(sphere, cap) if cap.holds(normal) => 1.0 / cap.area(sphere.radius),
+            Form::Cap(..) => 0.0,
+            Form::Whole(Shape::Sphere(sphere)) => sphere_density(&sphere, view, normal),
+            Form::Whole(shape) => 1.0 / shape.area(),
         }
     }
 
     /// What the light tree is to know.
     pub fn emission(&self) -> Emission {
-        let (min, max) = match (self.shape, self.cap) {
-            (Shape::Sphere(sphere), Some(cap)) => cap.bounds(&sphere),
-            (shape, _) => shape.bounds(),
+        let (min, max, area) = match self.form {
+            Form::Cap(sphere, cap) => {
+                let (min, max) = cap.bounds(&sphere);
+                (min, max, cap.area(sphere.radius))
+            }
+            Form::Whole(shape) => {
+                let (min, max) = shape.bounds();
+                (min, max, shape.area())
+            }
         };
-        let (axis, cos_normals) = match (self.shape, self.cap) {
-            (Shape::Sphere(_), Some(cap)) => (cap.axis, 1.0 - cap.height),
-            (Shape::Sphere(_), None) => (DVec3::Z, -1.0),
-            (Shape::Disk(disk), _) => (disk.normal, 1.0),
-            (Shape::Triangle([a, b, c]), _) => ((b - a).cross(c - a).normalize_or(DVec3::Z), 1.0),
+        let (axis, cos_normals) = match self.form {
+            Form::Cap(_, cap) => (cap.axis, 1.0 - cap.height),
+            Form::Whole(Shape::Sphere(_)) => (DVec3::Z, -1.0),
+            Form::Whole(Shape::Disk(disk)) => (disk.normal, 1.0),
+            Form::Whole(Shape::Triangle([a, b, c])) => ((b - a).cross(c - a).normalize_or(DVec3::Z), 1.0),
         };
-        let area = match (self.shape, self.cap) {
-            (Shape::Sphere(sphere), Some(cap)) => cap.area(sphere.radius),
-            (shape, _) => shape.area(),
-        };
-        let sides = if self.both_sides && !self.is_closed() { 2.0 } else { 1.0 };
+        let sides = if self.both_sides && self.sphere().is_none() { 2.0 } else { 1.0 };
         let power = sides * PI * area * luminance(self.radiance);
         let both_sides = self.both_sides;
         Emission { min, max, power, axis, cos_normals, cos_emission: 0.0, both_sides }

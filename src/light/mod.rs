@@ -23,7 +23,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-pub use emitter::{Cap, Emitter, Spot, View};
+pub use emitter::{Cap, Emitter, Form, Spot, View};
 pub use guide::{Guide, Neighbourhood, Photon};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
@@ -114,7 +114,8 @@ impl Lights {
             .into_iter()
             .map(|(primitive, shape, surface)| {
                 let &Material { emission, emits_both_sides, .. } = material(surface.material);
-                Emitter { primitive, shape, radiance: emission, both_sides: emits_both_sides, cap: None }
+                let form = Form::Whole(shape);
+                Emitter { primitive, form, radiance: emission, both_sides: emits_both_sides }
             })
             .collect();
         let (distant, points): (Vec<_>, Vec<_>) =
@@ -123,26 +124,39 @@ impl Lights {
             Environment::Image(image) => Sky::new(image),
             _ => None,
         };
-        let by_primitive =
-            emitters.iter().zip(0..).map(|(emitter, index)| (emitter.primitive, index)).collect();
-        let mut lights = Self { emitters, by_primitive, points, distant, sky, tree: Tree::default(), floor };
+        let (by_primitive, tree) = (HashMap::new(), Tree::default());
+        let mut lights = Self { emitters, by_primitive, points, distant, sky, tree, floor };
         lights.build_tree();
+        let indices = lights.emitters.iter().zip(0..);
+        // Afterwards: what the tree is built from is as large.
+        lights.by_primitive = indices.map(|(emitter, index)| (emitter.primitive, index)).collect();
         lights
     }
 
     fn build_tree(&mut self) {
-        let surfaces = self.emitters.iter().map(Emitter::emission);
-        let emissions: Vec<Emission> =
-            surfaces.chain(self.points.iter().filter_map(Punctual::emission)).collect();
-        self.tree = Tree::build(&emissions, self.floor);
+        let points: Vec<Emission> = self.points.iter().filter_map(Punctual::emission).collect();
+        let surfaces = self.emitters.len();
+        let emission = |index: u32| match self.emitters.get(index as usize) {
+            Some(emitter) => emitter.emission(),
+            None => points[index as usize - surfaces],
+        };
+        self.tree = Tree::build((surfaces + points.len()) as u32, emission, self.floor);
     }
 
     /// Limits the points on spheres to the parts `cap` gives for them, if any.
     pub fn limit(&mut self, cap: impl Fn(&Emitter) -> Option<Cap>) {
-        for emitter in self.emitters.iter_mut().filter(|emitter| emitter.is_closed()) {
-            emitter.cap = cap(emitter);
+        let mut is_limited = false;
+        for emitter in &mut self.emitters {
+            if let Some(sphere) = emitter.sphere()
+                && let Some(cap) = cap(emitter)
+            {
+                emitter.form = Form::Cap(sphere, cap);
+                is_limited = true;
+            }
         }
-        self.build_tree();
+        if is_limited {
+            self.build_tree();
+        }
     }
 
     /// Whether there is nothing to sample.

@@ -5,32 +5,62 @@
 //! and vector registers, a row stays within a few neighbouring lines, and one bounds check serves all its fields.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Lanes of a block: a cache line of f64.
 pub const LANES: usize = 8;
+/// Lanes of two blocks taken as one: a cache line of f32.
+pub const PAIRED: usize = 2 * LANES;
 
-/// A field type that knows how a block of it is stored; vectors are stored by component.
+/// A field type that knows how blocks of it are stored; vectors are stored by component.
 pub trait Field: Copy + Default {
-    /// One block.
-    type Block: Copy + Default;
-    /// Value of a lane below [`LANES`].
-    fn get(block: &Self::Block, lane: usize) -> Self;
-    /// Overwrites a lane below [`LANES`].
-    fn set(block: &mut Self::Block, lane: usize, value: Self);
+    /// `N` lanes.
+    type Block<const N: usize>: Copy;
+    /// `N` lanes of defaults.
+    fn block<const N: usize>() -> Self::Block<N>;
+    /// Value of a lane below `N`.
+    fn get<const N: usize>(block: &Self::Block<N>, lane: usize) -> Self;
+    /// Overwrites a lane below `N`.
+    fn set<const N: usize>(block: &mut Self::Block<N>, lane: usize, value: Self);
+    /// Two blocks as one.
+    fn join(blocks: [&Self::Block<LANES>; 2]) -> Self::Block<PAIRED>;
+    /// The two blocks again.
+    fn part(pair: &Self::Block<PAIRED>) -> [Self::Block<LANES>; 2];
 }
 
 /// Makes types into fields that are stored whole.
 macro_rules! plain_field {
     ($($type:ty),*) => {$(
         impl $crate::math::columns::Field for $type {
-            type Block = [$type; $crate::math::columns::LANES];
+            type Block<const N: usize> = [$type; N];
             #[inline(always)]
-            fn get(block: &Self::Block, lane: usize) -> Self {
-                block[lane % $crate::math::columns::LANES]
+            fn block<const N: usize>() -> [$type; N] {
+                [<$type>::default(); N]
             }
             #[inline(always)]
-            fn set(block: &mut Self::Block, lane: usize, value: Self) {
-                block[lane % $crate::math::columns::LANES] = value;
+            fn get<const N: usize>(block: &[$type; N], lane: usize) -> Self {
+                block[lane % N]
+            }
+            #[inline(always)]
+            fn set<const N: usize>(block: &mut [$type; N], lane: usize, value: Self) {
+                block[lane % N] = value;
+            }
+            #[inline(always)]
+            fn join(
+                blocks: [&[$type; $crate::math::columns::LANES]; 2],
+            ) -> [$type; $crate::math::columns::PAIRED] {
+                let mut pair = Self::block();
+                for (half, block) in pair.as_chunks_mut().0.iter_mut().zip(blocks) {
+                    *half = *block;
+                }
+                pair
+            }
+            #[inline(always)]
+            fn part(
+                pair: &[$type; $crate::math::columns::PAIRED],
+            ) -> [[$type; $crate::math::columns::LANES]; 2] {
+                let halves = pair.as_chunks().0;
+                [halves[0], halves[1]]
             }
         }
     )*};
@@ -41,16 +71,30 @@ plain_field!(f64, f32, u32, bool);
 macro_rules! vector_field {
     ($($vector:ident of $scalar:ty),*) => {$(
         impl Field for $vector {
-            type Block = [[$scalar; LANES]; 3];
+            type Block<const N: usize> = [[$scalar; N]; 3];
             #[inline(always)]
-            fn get([x, y, z]: &Self::Block, lane: usize) -> Self {
-                $vector::new(x[lane % LANES], y[lane % LANES], z[lane % LANES])
+            fn block<const N: usize>() -> [[$scalar; N]; 3] {
+                [<$scalar>::block(); 3]
             }
             #[inline(always)]
-            fn set([x, y, z]: &mut Self::Block, lane: usize, value: Self) {
-                x[lane % LANES] = value.x;
-                y[lane % LANES] = value.y;
-                z[lane % LANES] = value.z;
+            fn get<const N: usize>([x, y, z]: &[[$scalar; N]; 3], lane: usize) -> Self {
+                $vector::new(x[lane % N], y[lane % N], z[lane % N])
+            }
+            #[inline(always)]
+            fn set<const N: usize>([x, y, z]: &mut [[$scalar; N]; 3], lane: usize, value: Self) {
+                x[lane % N] = value.x;
+                y[lane % N] = value.y;
+                z[lane % N] = value.z;
+            }
+            #[inline(always)]
+            fn join([a, b]: [&[[$scalar; LANES]; 3]; 2]) -> [[$scalar; PAIRED]; 3] {
+                let join = |i: usize| <$scalar>::join([&a[i], &b[i]]);
+                [join(0), join(1), join(2)]
+            }
+            #[inline(always)]
+            fn part([x, y, z]: &[[$scalar; PAIRED]; 3]) -> [[[$scalar; LANES]; 3]; 2] {
+                let ([xa, xb], [ya, yb], [za, zb]) = (<$scalar>::part(x), <$scalar>::part(y), <$scalar>::part(z));
+                [[xa, ya, za], [xb, yb, zb]]
             }
         }
     )*};
@@ -78,6 +122,38 @@ impl Row for () {
     fn set((): &mut (), _: usize, (): Self) {}
 }
 
+/// A row type of which two blocks can be taken as one.
+pub trait Paired: Row {
+    /// The fields of [`PAIRED`] lanes.
+    type Pair: Copy + Default;
+    /// Two blocks as one.
+    fn join(blocks: [&Self::Block; 2]) -> Self::Pair;
+    /// The two blocks again.
+    fn part(pair: &Self::Pair) -> [Self::Block; 2];
+    /// Row of a lane below [`PAIRED`].
+    fn get_paired(pair: &Self::Pair, lane: usize) -> Self;
+    /// Overwrites a lane below [`PAIRED`].
+    fn set_paired(pair: &mut Self::Pair, lane: usize, row: Self);
+}
+
+impl Paired for () {
+    type Pair = ();
+
+    #[inline(always)]
+    fn join(_: [&(); 2]) {}
+
+    #[inline(always)]
+    fn part((): &()) -> [(); 2] {
+        [(), ()]
+    }
+
+    #[inline(always)]
+    fn get_paired((): &(), _: usize) -> Self {}
+
+    #[inline(always)]
+    fn set_paired((): &mut (), _: usize, (): Self) {}
+}
+
 /// Rows of many lanes.
 pub struct Columns<R: Row> {
     blocks: Vec<R::Block>,
@@ -99,6 +175,27 @@ impl<R: Row> Columns<R> {
     pub fn gather(&mut self, lanes: usize, row: impl Fn(usize) -> R) {
         self.resize(lanes);
         (0..lanes).for_each(|lane| self.set(lane, row(lane)));
+    }
+
+    /// Makes `blocks` blocks of rows on all threads.
+    pub fn fill(blocks: usize, row: impl Fn(usize) -> R + Sync) -> Self {
+        let block = |number: usize| {
+            let mut block = R::Block::default();
+            (0..LANES).for_each(|lane| R::set(&mut block, lane, row(number * LANES + lane)));
+            block
+        };
+        Self { blocks: (0..blocks).into_par_iter().map(block).collect() }
+    }
+
+    /// A block.
+    #[inline(always)]
+    pub fn block(&self, number: usize) -> &R::Block {
+        &self.blocks[number]
+    }
+
+    /// Heap memory, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.blocks[..])
     }
 
     /// Whether there are no lanes.
@@ -142,28 +239,80 @@ macro_rules! columns {
             $($(#[$doc])* pub $field: $type,)*
         }
 
-        #[doc = concat!("A block of columns of [`", stringify!($row), "`].")]
-        #[derive(Clone, Copy, Default)]
-        pub struct $block $(<$real: $crate::math::columns::Field>)? {
-            $($field: <$type as $crate::math::columns::Field>::Block,)*
+        #[doc = concat!("A block of columns of [`", stringify!($row), "`], of `N` lanes.")]
+        #[derive(Clone, Copy)]
+        pub struct $block<
+            $($real: $crate::math::columns::Field,)?
+            const N: usize = { $crate::math::columns::LANES },
+        > {
+            $($field: <$type as $crate::math::columns::Field>::Block<N>,)*
         }
 
-        impl $(<$real: $crate::math::columns::Field<Block: Send>>)? $crate::math::columns::Row
-            for $row $(<$real>)?
+        impl<$($real: $crate::math::columns::Field,)? const N: usize> Default for $block<$($real,)? N> {
+            #[inline(always)]
+            fn default() -> Self {
+                use $crate::math::columns::Field;
+                Self { $($field: <$type as Field>::block(),)* }
+            }
+        }
+
+        impl<$($real: $crate::math::columns::Field,)? const N: usize> $block<$($real,)? N> {
+            #[inline(always)]
+            fn row(&self, lane: usize) -> $row $(<$real>)? {
+                use $crate::math::columns::Field;
+                $row { $($field: <$type as Field>::get(&self.$field, lane),)* }
+            }
+
+            #[inline(always)]
+            fn put(&mut self, lane: usize, row: $row $(<$real>)?) {
+                use $crate::math::columns::Field;
+                let $row { $($field,)* } = row;
+                $(<$type as Field>::set(&mut self.$field, lane, $field);)*
+            }
+        }
+
+        impl $(<$real: $crate::math::columns::Field<Block<{ $crate::math::columns::LANES }>: Send>>)?
+            $crate::math::columns::Row for $row $(<$real>)?
         {
             type Block = $block $(<$real>)?;
 
             #[inline(always)]
             fn get(block: &Self::Block, lane: usize) -> Self {
-                use $crate::math::columns::Field;
-                $row { $($field: Field::get(&block.$field, lane),)* }
+                block.row(lane)
             }
 
             #[inline(always)]
             fn set(block: &mut Self::Block, lane: usize, row: Self) {
+                block.put(lane, row);
+            }
+        }
+
+        impl $(<$real: $crate::math::columns::Field<Block<{ $crate::math::columns::LANES }>: Send>>)?
+            $crate::math::columns::Paired for $row $(<$real>)?
+        {
+            type Pair = $block<$($real,)? { $crate::math::columns::PAIRED }>;
+
+            #[inline(always)]
+            fn join([a, b]: [&Self::Block; 2]) -> Self::Pair {
                 use $crate::math::columns::Field;
-                let $row { $($field,)* } = row;
-                $(Field::set(&mut block.$field, lane, $field);)*
+                $block { $($field: <$type as Field>::join([&a.$field, &b.$field]),)* }
+            }
+
+            #[inline(always)]
+            fn part(pair: &Self::Pair) -> [Self::Block; 2] {
+                use $crate::math::columns::Field;
+                $(let $field = <$type as Field>::part(&pair.$field);)*
+                [$block { $($field: $field[0],)* }, $block { $($field: $field[1],)* }]
+            }
+
+            #[inline(always)]
+            fn get_paired(pair: &Self::Pair, lane: usize) -> Self {
+                pair.row(lane)
+            }
+
+            #[inline(always)]
+            fn set_paired(pair: &mut Self::Pair, lane: usize, row: Self) {
+                pair.put(lane, row);
             }
         }
     };

@@ -1,6 +1,6 @@
 //! Kernels over columns: plain arithmetic on rows, lane beside lane.
 
-use super::columns::{LANES, Row};
+use super::columns::{LANES, PAIRED, Paired, Row};
 
 /// What gives a row from two others, and nothing else.
 ///
@@ -30,6 +30,39 @@ pub fn map<K: Kernel>(
     widest(Map { kernel, a, b, out });
 }
 
+/// The same for a kernel whose result takes the place of its first input.
+pub fn update<K: Kernel<Out = <K as Kernel>::A>>(
+    kernel: &K,
+    rows: &mut [<K::A as Row>::Block],
+    b: &[<K::B as Row>::Block],
+) {
+    widest(Update { kernel, rows, b });
+}
+
+/// The same for a kernel of numbers of type `R`: takes two blocks at once if one does not fill the vectors.
+pub fn map_full<R, K: Kernel<A: Paired, B: Paired, Out: Paired>>(
+    kernel: &K,
+    a: &[<K::A as Row>::Block],
+    b: &[<K::B as Row>::Block],
+    out: &mut [<K::Out as Row>::Block],
+) {
+    if LANES * size_of::<R>() >= widest_vector() {
+        return map(kernel, a, b, out);
+    }
+    let (a, b, (out, last)) = (a.as_chunks(), b.as_chunks(), out.as_chunks_mut());
+    widest(MapPairs { kernel, a: a.0, b: b.0, out });
+    map(kernel, a.1, b.1, last);
+}
+
+/// Bytes in the widest vectors that kernels are compiled for and the machine has.
+fn widest_vector() -> usize {
+    match pulp::Arch::new() {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        pulp::Arch::V4(_) => 64,
+        _ => 32,
+    }
+}
+
 /// Runs `work` with the widest vectors that the machine has.
 ///
 /// A closure would not do: it cannot be forced inline, and only what is inlined gets the wide instructions.
@@ -57,6 +90,54 @@ impl<K: Kernel> pulp::NullaryFnOnce for Map<'_, K> {
                 K::Out::set(&mut block, lane, kernel.run(&K::A::get(&a, lane), &K::B::get(&b, lane)));
             }
             *output = block;
+        }
+    }
+}
+
+struct Update<'a, K: Kernel> {
+    kernel: &'a K,
+    rows: &'a mut [<K::A as Row>::Block],
+    b: &'a [<K::B as Row>::Block],
+}
+
+impl<K: Kernel<Out = <K as Kernel>::A>> pulp::NullaryFnOnce for Update<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Update { kernel, rows, b } = self;
+        for (block, b) in rows.iter_mut().zip(b) {
+            let (a, b) = (*block, *b);
+            let mut next = a;
+            for lane in 0..LANES {
+                K::A::set(&mut next, lane, kernel.run(&K::A::get(&a, lane), &K::B::get(&b, lane)));
+            }
+            *block = next;
+        }
+    }
+}
+
+struct MapPairs<'a, K: Kernel> {
+    kernel: &'a K,
+    a: &'a [[<K::A as Row>::Block; 2]],
+    b: &'a [[<K::B as Row>::Block; 2]],
+    out: &'a mut [[<K::Out as Row>::Block; 2]],
+}
+
+impl<K: Kernel<A: Paired, B: Paired, Out: Paired>> pulp::NullaryFnOnce for MapPairs<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let MapPairs { kernel, a, b, out } = self;
+        for (([a0, a1], [b0, b1]), output) in a.iter().zip(b).zip(out) {
+            let (a, b) = (K::A::join([a0, a1]), K::B::join([b0, b1]));
+            let mut pair = <K::Out as Paired>::Pair::default();
+            for lane in 0..PAIRED {
+                let row = kernel.run(&K::A::get_paired(&a, lane), &K::B::get_paired(&b, lane));
+                K::Out::set_paired(&mut pair, lane, row);
+            }
+            *output = K::Out::part(&pair);
         }
     }
 }

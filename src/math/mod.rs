@@ -7,6 +7,8 @@ pub mod dual;
 pub mod exact;
 pub mod frame;
 pub mod kernel;
+pub mod prefetch;
 pub mod quadrature;
 pub mod real;
+pub mod rough;
 pub mod turn;

@@ -8,9 +8,10 @@ mod media;
 pub mod mirror;
 mod sampler;
 mod scatter;
+mod sobol;
 
 pub use environment::{Environment, LatLong};
 pub use material::{Lobe, Material};
 pub use media::Media;
-pub use sampler::Sampler;
+pub use sampler::{Key, Sampler};
 pub use scatter::{Bounce, Incidence, evaluate, scatter};

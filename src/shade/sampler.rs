@@ -3,6 +3,12 @@
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
+use super::sobol::{SEQUENCE, SETS, Sobol};
+use crate::math::kernel::widest;
+
+/// Vertices whose numbers are made side by side.
+const LANES: usize = 16;
+
 /// Source of random numbers for all paths of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
@@ -10,10 +16,16 @@ pub struct Sampler {
     independent: bool,
 }
 
-/// Points of one Sobol' sequence, the library's limit.
-const SEQUENCE: u32 = 1 << 16;
-/// Sets of four dimensions of one sequence, the library's limit.
-const SETS: u32 = 64;
+/// What random numbers are for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Pixel, counted over the whole image row by row.
+    pub pixel: u32,
+    /// Sample of that pixel.
+    pub sample: u32,
+    /// 0: the camera; n: the n-th vertex.
+    pub set: u32,
+}
 
 impl Sampler {
     /// Owen-scrambled Sobol' points, four dimensions at a time, decorrelated between pixels.
@@ -26,22 +38,63 @@ impl Sampler {
         Self { seed, independent: true }
     }
 
-    /// Four numbers in [0, 1) for `set` (0: the camera; n: the n-th vertex) of `sample` in `pixel`.
+    /// Four numbers in [0, 1) for `key`.
     #[inline]
-    pub fn four(&self, pixel: u32, sample: u32, set: u32) -> [f32; 4] {
+    pub fn four(&self, key: Key) -> [f32; 4] {
+        let [four] = self.lanes([key.pixel], [key.sample], [key.set]);
+        four
+    }
+
+    /// The same for all of `keys`.
+    pub fn four_all(&self, keys: &[Key], numbers: &mut Vec<[f32; 4]>) {
+        numbers.resize(keys.len(), [0.0; 4]);
+        widest(All { sampler: self, keys, numbers });
+    }
+
+    /// The same for some lanes.
+    #[inline(always)]
+    fn lanes<const N: usize>(&self, pixel: [u32; N], sample: [u32; N], set: [u32; N]) -> [[f32; 4]; N] {
         if self.independent {
-            let key = mix(self.seed, (u64::from(pixel) << 32) | u64::from(sample));
-            let mut generator = Xoshiro256PlusPlus::seed_from_u64(mix(key, u64::from(set)));
-            return generator.random();
+            return std::array::from_fn(|lane| {
+                let key = mix(self.seed, (u64::from(pixel[lane]) << 32) | u64::from(sample[lane]));
+                Xoshiro256PlusPlus::seed_from_u64(mix(key, u64::from(set[lane]))).random()
+            });
         }
-        // Past the library's limits a fresh scramble takes over; within them all sets belong to one sequence.
-        let block = (u64::from(sample / SEQUENCE) << 32) | u64::from(set / SETS);
-        let seed = mix(mix(self.seed, u64::from(pixel)), block) as u32;
-        sobol_burley::sample_4d(sample % SEQUENCE, set % SETS, seed)
+        let mut seed = [0; N];
+        for lane in 0..N {
+            // Past the limits of a sequence a fresh scramble takes over; within them all sets belong to one sequence.
+            let block = (u64::from(sample[lane] / SEQUENCE) << 32) | u64::from(set[lane] / SETS);
+            seed[lane] = mix(mix(self.seed, u64::from(pixel[lane])), block) as u32;
+        }
+        Sobol::new().four(sample.map(|sample| sample % SEQUENCE), set.map(|set| set % SETS), seed)
+    }
+}
+
+struct All<'a> {
+    sampler: &'a Sampler,
+    keys: &'a [Key],
+    numbers: &'a mut [[f32; 4]],
+}
+
+impl pulp::NullaryFnOnce for All<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { sampler, keys, numbers } = self;
+        for (keys, numbers) in keys.chunks(LANES).zip(numbers.chunks_mut(LANES)) {
+            let (mut pixel, mut sample, mut set) = ([0; LANES], [0; LANES], [0; LANES]);
+            for (lane, key) in keys.iter().enumerate() {
+                (pixel[lane], sample[lane], set[lane]) = (key.pixel, key.sample, key.set);
+            }
+            let four = sampler.lanes(pixel, sample, set);
+            numbers.copy_from_slice(&four[..numbers.len()]);
+        }
     }
 }
 
 /// A well-mixed function of two words: two rounds of SplitMix64's finaliser (Steele, Lea, Flood 2014).
+#[inline(always)]
 fn mix(a: u64, b: u64) -> u64 {
     let finalise = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -62,7 +115,7 @@ mod tests {
                 let (mut sum, mut square) = ([0.0f64; 4], [0.0f64; 4]);
                 const N: u32 = 4096;
                 for i in 0..N {
-                    for (d, u) in sampler.four(7, i, set).into_iter().enumerate() {
+                    for (d, u) in sampler.four(Key { pixel: 7, sample: i, set }).into_iter().enumerate() {
                         assert!((0.0..1.0).contains(&u));
                         sum[d] += f64::from(u);
                         square[d] += f64::from(u).powi(2);
@@ -79,15 +132,29 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_many_keys_are_those_of_each() {
+        let key = |i: u32| Key { pixel: i * i, sample: i << 12, set: i * 3 };
+        let keys: Vec<Key> = (0..100).map(key).collect();
+        for sampler in [Sampler::sobol(3), Sampler::independent(3)] {
+            let mut numbers = Vec::new();
+            sampler.four_all(&keys, &mut numbers);
+            assert_eq!(numbers, keys.iter().map(|&key| sampler.four(key)).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
     fn pixels_samples_sets_and_seeds_are_told_apart() {
-        let base = Sampler::sobol(1).four(5, 9, 2);
-        assert_eq!(base, Sampler::sobol(1).four(5, 9, 2));
+        let four = |seed: u64, pixel: u32, sample: u32, set: u32| {
+            Sampler::sobol(seed).four(Key { pixel, sample, set })
+        };
+        let base = four(1, 5, 9, 2);
+        assert_eq!(base, four(1, 5, 9, 2));
         for other in [
-            Sampler::sobol(2).four(5, 9, 2),
-            Sampler::sobol(1).four(6, 9, 2),
-            Sampler::sobol(1).four(5, 10, 2),
-            Sampler::sobol(1).four(5, 9, 3),
-            Sampler::sobol(1).four(5, 9 + SEQUENCE, 2),
+            four(2, 5, 9, 2),
+            four(1, 6, 9, 2),
+            four(1, 5, 10, 2),
+            four(1, 5, 9, 3),
+            four(1, 5, 9 + SEQUENCE, 2),
         ] {
             assert_ne!(base, other);
         }

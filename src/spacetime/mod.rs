@@ -38,6 +38,12 @@ pub trait ConformallyFlat: Copy + Send + Sync {
     /// n² at the inverse radius `w`.
     fn index_squared<R: Real>(&self, w: R) -> R;
 
+    /// The index n at the inverse radius `w`.
+    #[inline(always)]
+    fn index<R: Real>(&self, w: R) -> R {
+        self.index_squared(w).sqrt()
+    }
+
     /// ½ d(n²)/dw at the inverse radius `w`: the pull towards the centre, times ρ².
     fn pull<R: Real>(&self, w: R) -> R;
 

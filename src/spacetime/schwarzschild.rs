@@ -29,19 +29,26 @@ impl Schwarzschild {
 impl ConformallyFlat for Schwarzschild {
     #[inline(always)]
     fn index_squared<R: Real>(&self, w: R) -> R {
-        let u = R::of(self.horizon) * w;
-        let a = R::of(1.0) + u;
-        let n = a * a * a / (R::of(1.0) - u);
+        let n = self.index(w);
         n * n
+    }
+
+    #[inline(always)]
+    fn index<R: Real>(&self, w: R) -> R {
+        let u = R::of(self.horizon) * w;
+        let (a, inverse) = (R::of(1.0) + u, R::of(1.0) / (R::of(1.0) - u));
+        // Positive inside the horizon, too, where steps may end that are then rejected.
+        (a * a * a * inverse).abs()
     }
 
     /// ½ d(n²)/dw = (r_s/4) (1 + u)⁵ (4 − 2u) / (1 − u)³.
     #[inline(always)]
     fn pull<R: Real>(&self, w: R) -> R {
         let u = R::of(self.horizon) * w;
-        let (a, c) = (R::of(1.0) + u, R::of(1.0) - u);
+        let (a, inverse) = (R::of(1.0) + u, R::of(1.0) / (R::of(1.0) - u));
         let a2 = a * a;
-        R::of(self.horizon) * (a2 * a2 * a * (R::of(4.0) - u - u)) / (c * c * c)
+        let rising = R::of(2.0 * self.horizon) * (a2 * a2 * a * (R::of(2.0) - u));
+        (rising * inverse) * (inverse * inverse)
     }
 
     /// (1 − u)/(1 + u).

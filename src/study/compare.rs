@@ -17,6 +17,7 @@ use std::iter::zip;
 use serde::Serialize;
 
 use super::noise::{self, Noise};
+use super::window::Window;
 use crate::film::{Image, Plane};
 
 /// Keeps the relative square finite where the reference is dark; the square of a radiance of 0.1.
@@ -64,15 +65,6 @@ pub struct Comparison {
     pub noise: Option<Noise>,
     /// What follows for the colours.
     pub verdict: Verdict,
-}
-
-/// A rectangle of pixels, counted from the top left corner of the whole picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Window {
-    /// First column and row.
-    pub origin: (usize, usize),
-    /// Width and height, pixels.
-    pub size: (usize, usize),
 }
 
 /// One channel, or several taken together.

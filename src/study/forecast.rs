@@ -31,7 +31,7 @@ pub struct Forecast {
 impl Forecast {
     /// The forecast of a render with these settings, by what a probe of it tells.
     pub fn new(probe: &Probe, settings: &Settings) -> Self {
-        let Probe { threads, learning, pixels, tiles, ref readings } = *probe;
+        let Probe { threads, learning, pixels, tiles, ref readings, .. } = *probe;
         // Threads that find no tile left wait for the others, after every pass.
         let rounds = tiles.div_ceil(threads);
         let pixels_in_turn = pixels as f64 * rounds as f64 / tiles as f64;
@@ -79,7 +79,7 @@ mod tests {
 
     fn forecast(readings: &[Reading], settings: &Settings) -> Forecast {
         let readings = readings.to_vec();
-        let probe = Probe { threads: 2, learning: 0.5, pixels: 3000, tiles: 3, readings };
+        let probe = Probe { threads: 2, learning: 0.5, lights: None, pixels: 3000, tiles: 3, readings };
         Forecast::new(&probe, settings)
     }
 

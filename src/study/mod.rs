@@ -14,5 +14,6 @@ pub mod pareto;
 pub mod reference;
 pub mod report;
 pub mod sweep;
+pub mod window;
 
 pub use fan::{Fan, FanError, FanOptions};

@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::compare::Window;
+use super::window::Window;
 use crate::film::Image;
 
 /// Least side of a block, pixels, in pictures that are as large.

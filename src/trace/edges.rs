@@ -14,12 +14,10 @@ use crate::scene::{Baked, Settings};
 /// Short paths for each whole one: the mean of well-distributed points across an edge errs as their number to the
 /// power -3/4, so that these leave an eighth.
 const SPLIT: u32 = 16;
-/// Samples of a pixel for each of its probes: an image of a lamp too small for any probe to meet is met by few samples.
+/// Samples of a pixel for each of its probes, so that their cost is in proportion: an image of a lamp too small for any probe to meet is met by few samples.
 const SAMPLES_PER_PROBE: u32 = 4;
 /// Number of the first probe: samples that no picture has.
 const FIRST_PROBE: u32 = 1 << 31;
-/// Samples of a picture below which probes cost more than they are worth.
-const FEWEST: u32 = 16;
 /// Relative difference of what is seen from which on it counts: rounding does not.
 const DIFFERENCE: f32 = 1e-3;
 
@@ -45,7 +43,7 @@ impl Edges {
         let high =
             ((origin.0 + size.0 + 1).min(settings.width), (origin.1 + size.1 + 1).min(settings.height));
         let around = (high.0 - low.0, high.1 - low.1);
-        let probes = (settings.spp / SAMPLES_PER_PROBE).max(1);
+        let probes = settings.spp / SAMPLES_PER_PROBE;
         let work = Work {
             origin: low,
             size: around,
@@ -72,9 +70,9 @@ impl Edges {
         if pixels.is_empty() { Self::default() } else { Self { pixels, marks } }
     }
 
-    /// Whether they are worth finding in a picture of `scene`.
+    /// Whether a picture of `scene` may have them and enough samples for a probe.
     pub fn are_useful(scene: &Baked) -> bool {
-        scene.settings.spp >= FEWEST && scene.materials.iter().any(|material| material.emits())
+        scene.settings.spp >= SAMPLES_PER_PROBE && scene.materials.iter().any(|material| material.emits())
     }
 
     /// The pixels' numbers in the tile.

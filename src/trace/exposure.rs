@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::edges::Edges;
 use super::shoot::{Ray, Shot, follow};
+use super::stages::draw::Numbers;
 use super::stages::generate::generate;
 use super::stages::scatter::{incidence, scatter};
 use super::transport::{Outcome, Transport};
@@ -31,7 +32,7 @@ const WIDEST: f64 = 1.0;
 
 /// Limits light samples to the exposed parts of spherical lamps.
 pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lights) {
-    if !lights.emitters().iter().any(|emitter| emitter.is_closed()) {
+    if !lights.emitters().iter().any(|emitter| emitter.sphere().is_some()) {
         return;
     }
     let settings = job.settings;
@@ -67,7 +68,8 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
             met.push((landing.primitive, surface.normal));
         }
         let incidence = incidence(&surface, landing.direction, path.media);
-        let Some(bounce) = scatter(job, &mut path, &incidence) else { return met };
+        let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
+        let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
         ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };
     }
 }

@@ -41,18 +41,6 @@ pub struct LightSummary {
     pub is_guided: bool,
 }
 
-/// What light sampling will do for `scene`; `None` where it is off or of no use.
-pub fn light_sampling(scene: &Baked) -> Option<LightSummary> {
-    let Illumination { lights, heuristic, .. } = Illumination::of(scene)?;
-    let surfaces = lights.emitters().len();
-    Some(LightSummary {
-        surfaces,
-        punctual: scene.punctual.len(),
-        sky: lights.has_sky(),
-        is_guided: heuristic.is_some() && surfaces > 0 && photons::is_useful(scene),
-    })
-}
-
 impl Illumination {
     /// Light sampling for `scene`; `None` where it is off or of no use.
     pub fn of(scene: &Baked) -> Option<Self> {
@@ -74,6 +62,17 @@ impl Illumination {
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
         let heuristic = (!straight).then_some(settings.heuristic);
         (!lights.is_empty()).then_some(Self { lights, sight, guide: None, heuristic })
+    }
+
+    /// What it will do for `scene`, which it is of.
+    pub fn summary(&self, scene: &Baked) -> LightSummary {
+        let surfaces = self.lights.emitters().len();
+        LightSummary {
+            surfaces,
+            punctual: scene.punctual.len(),
+            sky: self.lights.has_sky(),
+            is_guided: self.heuristic.is_some() && surfaces > 0 && photons::is_useful(scene),
+        }
     }
 
     /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass.

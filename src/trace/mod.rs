@@ -3,10 +3,11 @@
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
 
-mod curved;
+pub mod curved;
 mod edges;
 mod exposure;
 mod fate;
+mod flock;
 mod illumination;
 mod paper;
 mod path;
@@ -42,7 +43,7 @@ use curved::{Curved, Lane};
 use edges::Edges;
 pub use fate::Fate;
 use illumination::Illumination;
-pub use illumination::{LightSummary, light_sampling};
+pub use illumination::LightSummary;
 use paper::PaperMarch;
 pub use probe::{Probe, Reading, probe};
 use samples::Wanted;
@@ -208,7 +209,7 @@ impl<M: ConformallyFlat + 'static> Place<M> {
 /// Longest chord of a searched arc, relative to the diagonal of the geometry.
 const CHORD: f64 = 8.0;
 /// Largest sagitta of a searched arc, relative to the median primitive.
-const SAGITTA: f64 = 0.25;
+const SAGITTA: f64 = 1.0;
 
 struct Renderer<'a> {
     scene: &'a Baked,

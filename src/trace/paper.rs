@@ -4,9 +4,9 @@
 
 use glam::DVec3;
 
-use super::transport::{Advancing, Found, Landing, Outcome, Transport};
+use super::transport::{Advancing, Landing, Outcome, Transport};
 use crate::geodesic::{Control, End, Launch, PaperRk4, Phase, Rkn6, follow};
-use crate::geometry::{Geometry, Line, Need, PrimitiveId, Query};
+use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{Chart, ConformallyFlat, Fate, Schwarzschild};
@@ -106,7 +106,7 @@ impl Transport for PaperMarch {
         let x = position - self.center;
         PaperFlight {
             position: x,
-            momentum: direction * self.medium.index_squared(1.0 / x.length()).sqrt(),
+            momentum: direction * self.medium.index(1.0 / x.length()),
             step: FIRST_STEP,
             leaves,
             steps: 0,

@@ -3,6 +3,7 @@
 use super::fate::Fate;
 use super::path::Gathers;
 use super::samples::Samples;
+use super::stages::draw::Numbers;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
@@ -84,7 +85,8 @@ fn trace_path<T: Transport>(
             }
             Outcome::Landed(landing) => {
                 counters.fates.hit += 1;
-                match shade(job, &mut path, &mut vertex, &landing, samples) {
+                let numbers = Numbers::draw(job, &path);
+                match shade(job, &mut path, &mut vertex, &landing, &numbers, samples) {
                     Some(direction) => {
                         flight = transport.launch(landing.position, direction, landing.primitive);
                         counters.count_ray(vertex.is_lit);

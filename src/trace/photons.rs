@@ -1,14 +1,17 @@
 //! Photons: from the lamps through mirrors and glass to where they can be seen, for [`Guide`].
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::shoot::{Ray, Shot, follow};
+use super::flock::Flock;
+use super::shoot::Ray;
 use super::stages::scatter::incidence;
-use super::transport::{Outcome, Transport};
-use crate::light::{Emitter, Guide, Lights, Photon, View};
+use super::transport::{Landing, Outcome, Transport};
+use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::{Baked, Settings};
-use crate::shade::{self, Media, Sampler};
+use crate::shade::{self, Key, Media, Sampler};
 
 /// Photons for each pixel of the picture, and the fewest and the most in all.
 const PER_PIXEL: usize = 8;
@@ -16,6 +19,8 @@ const FEWEST: usize = 1 << 14;
 const MOST: usize = 1 << 19;
 /// Most mirrors and glass surfaces on the way of a photon.
 const MOST_HOPS: u32 = 8;
+/// Photons that are followed together.
+const TOGETHER: u32 = 1024;
 
 /// Whether there are mirrors or glass for photons to go through.
 pub fn is_useful(scene: &Baked) -> bool {
@@ -30,6 +35,9 @@ pub fn count(settings: &Settings) -> u32 {
 /// Sends `count` photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
 /// glass, no surfaces that emit.
 pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
+    if !is_useful(scene) {
+        return None;
+    }
     let powers: Vec<f64> = lights
         .emitters()
         .iter()
@@ -39,60 +47,116 @@ pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights, count:
         })
         .collect();
     let total = *powers.last()?;
-    if !is_useful(scene) || !total.is_finite() || total <= 0.0 {
+    if !total.is_finite() || total <= 0.0 {
         return None;
     }
-    let sampler = Sampler::independent(scene.settings.seed);
-    let photons: Vec<Photon> = (0..count)
+    let shower =
+        Shower { scene, lights, powers: &powers, sampler: Sampler::independent(scene.settings.seed) };
+    let photons: Vec<Photon> = (0..count.div_ceil(TOGETHER))
         .into_par_iter()
-        .filter_map(|index| {
-            let numbers = |set: u32| sampler.four(u32::MAX, index, set).map(f64::from);
-            let [choice, ..] = numbers(0);
-            let emitter = powers.partition_point(|&below| below <= choice * total);
-            let emitter = lights.emitters().get(emitter)?;
-            send(scene, transport, emitter, numbers)
+        .map_init(Flock::default, |flock, part| {
+            let first = part * TOGETHER;
+            shower.fall(transport, flock, first..count.min(first + TOGETHER))
         })
+        .flatten_iter()
         .collect();
     Guide::new(&photons)
 }
 
-/// One photon of `emitter`, from four numbers in [0, 1) for each of its events; `None` if it is lost.
-fn send<T: Transport>(
-    scene: &Baked,
-    transport: &T,
-    emitter: &Emitter,
-    numbers: impl Fn(u32) -> [f64; 4],
-) -> Option<Photon> {
-    let everywhere = View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
-    let [_, back, u, v] = numbers(0);
-    let spot = emitter.sample(&everywhere, u, v)?;
-    let flips = emitter.both_sides && !emitter.is_closed() && back < 0.5;
-    let outwards = if flips { -spot.normal } else { spot.normal };
-    let [u, v, ..] = numbers(1);
-    let direction = shade::diffuse::sample(outwards, u, v);
-    let mut ray = Ray { position: spot.position, direction, leaves: emitter.primitive };
-    let (mut media, mut way) = (Media::VACUUM, Way::default());
-    way.add(scene.geometry.surface(emitter.primitive).entity);
-    for hop in 0..=MOST_HOPS {
-        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, |_, _, _, _| {});
-        let Outcome::Landed(landing) = end else { return None };
-        let surface = scene.geometry.surface_point(landing.primitive, landing.position);
+/// Photons of all lamps.
+struct Shower<'a> {
+    scene: &'a Baked,
+    lights: &'a Lights,
+    /// Sums of the powers of the lamps up to each.
+    powers: &'a [f64],
+    sampler: Sampler,
+}
+
+/// A photon under way.
+struct Flying {
+    index: u32,
+    hops: u32,
+    media: Media,
+    way: Way,
+}
+
+/// What becomes of a photon where it lands.
+enum Event {
+    Stays(Photon),
+    Goes(Flying, Ray),
+    IsLost,
+}
+
+impl Shower<'_> {
+    /// The photons of `range` that land, in their order.
+    fn fall<T: Transport>(&self, transport: &T, flock: &mut Flock<T>, range: Range<u32>) -> Vec<Photon> {
+        let mut landed: Vec<Option<Photon>> = range.clone().map(|_| None).collect();
+        let first = range.start;
+        let (mut flying, mut rays): (Vec<Flying>, Vec<Ray>) =
+            range.filter_map(|index| self.start(index)).unzip();
+        let mut ends = Vec::new();
+        while !rays.is_empty() {
+            flock.follow(transport, &self.scene.geometry, &rays, &mut ends);
+            rays.clear();
+            for (photon, end) in std::mem::take(&mut flying).into_iter().zip(&ends) {
+                let (place, Outcome::Landed(landing)) = (photon.index - first, end) else { continue };
+                match self.land(photon, landing) {
+                    Event::Stays(photon) => landed[place as usize] = Some(photon),
+                    Event::Goes(photon, ray) => {
+                        flying.push(photon);
+                        rays.push(ray);
+                    }
+                    Event::IsLost => {}
+                }
+            }
+        }
+        landed.into_iter().flatten().collect()
+    }
+
+    /// Four numbers in [0, 1) for an event of a photon.
+    fn numbers(&self, index: u32, set: u32) -> [f32; 4] {
+        self.sampler.four(Key { pixel: u32::MAX, sample: index, set })
+    }
+
+    fn start(&self, index: u32) -> Option<(Flying, Ray)> {
+        let [choice, back, u, v] = self.numbers(index, 0).map(f64::from);
+        let total = *self.powers.last()?;
+        let emitter = self.powers.partition_point(|&below| below <= choice * total);
+        let emitter = self.lights.emitters().get(emitter)?;
+        let everywhere = View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
+        let spot = emitter.sample(&everywhere, u, v)?;
+        let flips = emitter.both_sides && emitter.sphere().is_none() && back < 0.5;
+        let outwards = if flips { -spot.normal } else { spot.normal };
+        let [u, v, ..] = self.numbers(index, 1).map(f64::from);
+        let direction = shade::diffuse::sample(outwards, u, v);
+        let mut way = Way::default();
+        way.add(self.scene.geometry.surface(emitter.primitive).entity);
+        let photon = Flying { index, hops: 0, media: Media::VACUUM, way };
+        Some((photon, Ray { position: spot.position, direction, leaves: emitter.primitive }))
+    }
+
+    fn land(&self, photon: Flying, landing: &Landing) -> Event {
+        let Flying { index, hops, media, mut way } = photon;
+        let materials = &self.scene.materials;
+        let surface = self.scene.geometry.surface_point(landing.primitive, landing.position);
         let incidence = incidence(&surface, landing.direction, media);
         way.add(surface.surface.entity);
-        if !scene.materials[surface.surface.material as usize].is_specular() {
-            return Some(Photon {
+        if !materials[surface.surface.material as usize].is_specular() {
+            return Event::Stays(Photon {
                 position: landing.position,
                 normal: incidence.facing().0,
                 direction: -landing.direction,
-                way: (hop > 0).then_some(way.0),
+                way: (hops > 0).then_some(way.0),
             });
         }
-        let bounce = shade::scatter(&scene.materials, &incidence, numbers(2 + hop).map(|u| u as f32))?;
+        let bounce = shade::scatter(materials, &incidence, self.numbers(index, 2 + hops));
+        let Some(bounce) = bounce.filter(|_| hops < MOST_HOPS) else { return Event::IsLost };
         way.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
-        media = bounce.media;
-        ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };
+        Event::Goes(
+            Flying { index, hops: hops + 1, media: bounce.media, way },
+            Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive },
+        )
     }
-    None
 }
 
 /// Which way a photon came, as one number: FNV-1a over what it met.

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::edges::Edges;
-use super::illumination::Illumination;
+use super::illumination::{Illumination, LightSummary};
 use super::photons;
 use super::samples::Wanted;
 use super::tile::TILE;
@@ -44,6 +44,8 @@ pub struct Probe {
     pub threads: usize,
     /// Wall time of what light sampling learns before the first sample, seconds.
     pub learning: f64,
+    /// What light sampling will do; `None` where it is off or of no use.
+    pub lights: Option<LightSummary>,
     /// Pixels that are rendered.
     pub pixels: usize,
     /// Tiles that they are in; workers take them whole.
@@ -89,6 +91,7 @@ impl Prober<'_> {
         let settings = Settings { spp, ..self.scene.settings.clone() };
         let mut job = Job::new(self.scene, &settings);
         let learning = learn(&mut job, transport);
+        let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
         let workers = |schedule| Workers::scheduled(&job, transport, wanted, self.run.batch, schedule);
         let turns = Turns {
@@ -120,7 +123,14 @@ impl Prober<'_> {
         let readings = readings.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (width, height) = turns.window.size;
         let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
-        Probe { threads: rayon::current_num_threads(), learning, pixels: width * height, tiles, readings }
+        Probe {
+            threads: rayon::current_num_threads(),
+            learning,
+            lights,
+            pixels: width * height,
+            tiles,
+            readings,
+        }
     }
 }
 

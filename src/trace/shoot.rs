@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::stages::intersect::intersect;
 use super::stats::Counters;
-use super::transport::{Errand, Found, Landing, Outcome, Transport};
+use super::transport::{Errand, Landing, Outcome, Transport};
 use super::with_transport;
-use crate::geometry::{Geometry, PrimitiveId};
+use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 
 /// A ray to be followed.
@@ -71,17 +71,9 @@ pub(super) fn follow<T: Transport>(
             found,
             if let Outcome::Landed(landing) = &outcome { Some(landing) } else { None },
         );
-        let end = match outcome {
-            Outcome::Flying(next) => {
-                flight = next;
-                continue;
-            }
-            Outcome::Landed(landing) => Outcome::Landed(landing),
-            Outcome::Escaped(direction) => Outcome::Escaped(direction),
-            Outcome::Captured => Outcome::Captured,
-            Outcome::StepLimit => Outcome::StepLimit,
-            Outcome::NonFinite => Outcome::NonFinite,
-        };
-        return Shot { end, steps: counters.steps, queries: counters.queries };
+        match outcome.end() {
+            Ok(end) => return Shot { end, steps: counters.steps, queries: counters.queries },
+            Err(next) => flight = next,
+        }
     }
 }

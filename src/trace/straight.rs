@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::transport::{Advancing, Found, Landing, Outcome, Transport};
-use crate::geometry::{Geometry, Line, Need, PrimitiveId, Query};
+use super::transport::{Advancing, Landing, Outcome, Transport};
+use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 

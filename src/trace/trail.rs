@@ -63,7 +63,7 @@ fn extend(points: &mut Vec<DVec3>, course: &impl Segment, landing: Option<DVec3>
     let chord = course.chord();
     let along = chord.end - chord.start;
     // The sagitta falls with the square of the number of pieces.
-    let count = (chord.sagitta / (CUT_CORNER * along.length())).sqrt().ceil().clamp(1.0, MOST_POINTS);
+    let count = (chord.bow.length() / (CUT_CORNER * along.length())).sqrt().ceil().clamp(1.0, MOST_POINTS);
     let course = (1..=count as u32).map(|i| course.point(f64::from(i) / count));
     // No course turns by more than a right angle: points advance along its chord.
     let before = |point: &DVec3| landing.is_none_or(|landing| (landing - point).dot(along) > 0.0);

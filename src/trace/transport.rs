@@ -3,9 +3,11 @@
 //! A ray in flight is advanced by one move at a time. A move is a piece of the ray that the scene is searched along;
 //! what was found decides how the flight goes on. Straight rays are one move long.
 
+use std::convert::Infallible;
+
 use glam::DVec3;
 
-use crate::geometry::{Geometry, PrimitiveId, Query, SideBySide};
+use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 
@@ -17,15 +19,6 @@ pub struct Landing {
     /// Unit direction of travel in the static frame.
     pub direction: DVec3,
     /// What is met.
-    pub primitive: PrimitiveId,
-}
-
-/// Something found along a move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// World position of the crossing.
-    pub point: DVec3,
-    /// What is crossed.
     pub primitive: PrimitiveId,
 }
 
@@ -44,6 +37,21 @@ pub enum Outcome<Flight> {
     StepLimit,
     /// Its state is no longer finite.
     NonFinite,
+}
+
+impl<Flight> Outcome<Flight> {
+    /// How the ray ended; the ray if it flies on.
+    #[inline(always)]
+    pub fn end(self) -> Result<Outcome<Infallible>, Flight> {
+        match self {
+            Self::Flying(next) => Err(next),
+            Self::Landed(landing) => Ok(Outcome::Landed(landing)),
+            Self::Escaped(direction) => Ok(Outcome::Escaped(direction)),
+            Self::Captured => Ok(Outcome::Captured),
+            Self::StepLimit => Ok(Outcome::StepLimit),
+            Self::NonFinite => Ok(Outcome::NonFinite),
+        }
+    }
 }
 
 /// Where a ray starts.

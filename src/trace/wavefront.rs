@@ -7,17 +7,18 @@
 use super::fate::Fate;
 use super::path::{Gathers, Path};
 use super::samples::Samples;
+use super::stages::draw::Draws;
 use super::stages::escape::escape;
-use super::stages::generate::generate;
-use super::stages::intersect::intersect;
+use super::stages::generate::{camera_ray, start};
+use super::stages::intersect::intersect_all;
 use super::stages::light::{self, Progress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
-use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
+use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::{Job, Work};
-use crate::geometry::{FewSearch, Need, PrimitiveId, Query, Segment};
+use crate::geometry::{PrimitiveId, Search};
 use crate::math::columns::{Columns, LANES};
 use glam::DVec3;
 
@@ -28,10 +29,10 @@ pub struct Wavefront<T: Transport> {
     paths: Columns<Path>,
     /// Empty without light sampling.
     vertices: Columns<Vertex>,
-    found: Vec<Option<Found>>,
     /// Whether it matters where exactly a ray lands.
     exactly: Vec<bool>,
-    search: FewSearch<T::Segment>,
+    draws: Draws,
+    search: Search<T::Segment>,
     scratch: T::Scratch,
     /// Lanes in use.
     live: usize,
@@ -64,9 +65,9 @@ impl<T: Transport> Wavefront<T> {
             moves: Columns::default(),
             paths: Columns::default(),
             vertices: Columns::default(),
-            found: Vec::new(),
             exactly: Vec::new(),
-            search: FewSearch::default(),
+            draws: Draws::default(),
+            search: Search::default(),
             scratch: T::Scratch::default(),
             live: 0,
             capacity,
@@ -94,7 +95,7 @@ impl<T: Transport> Wavefront<T> {
             if self.live == 0 {
                 return;
             }
-            times.occupancy.count(self.live, self.found.len(), LANES);
+            times.occupancy.count(self.live, self.exactly.len(), LANES);
             transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
             lap.end(&mut times.advance, self.live);
             self.intersect(job, transport, counters);
@@ -123,57 +124,38 @@ impl<T: Transport> Wavefront<T> {
         self.moves.resize(lanes);
         self.paths.resize(lanes);
         self.vertices.resize(if has_vertices { lanes } else { 0 });
-        self.found.resize(lanes, None);
         self.exactly.resize(lanes, true);
     }
 
     /// Fills free lanes with camera paths, from number `next` on.
     fn generate(&mut self, job: &Job, transport: &T, work: &Work, next: &mut u32, counters: &mut Counters) {
-        while self.live < self.found.len() && *next < work.paths() {
-            let (path, position, direction) = generate(job, work, *next);
-            self.paths.set(self.live, path);
-            if job.illumination.is_some() {
-                self.vertices.set(self.live, Vertex::default());
-            }
-            let (lane, leaves) = (self.live, PrimitiveId::NONE);
-            self.exactly[lane] = true;
-            self.events.starts.push(Start { lane, position, direction, leaves });
-            self.live += 1;
-            *next += 1;
-            counters.paths += u64::from(path.gathers != Gathers::Lamps);
-            counters.rays += 1;
+        let free = (self.exactly.len() - self.live).min((work.paths() - *next) as usize);
+        let fresh = self.live..self.live + free;
+        for (lane, index) in fresh.clone().zip(*next..) {
+            self.paths.set(lane, start(job, work, index));
         }
+        let Self { paths, draws, .. } = self;
+        draws.cameras(job, fresh.clone().map(|lane| paths.get(lane)));
+        for (place, lane) in fresh.enumerate() {
+            let path = paths.get(lane);
+            let (position, direction) = camera_ray(job, &path, draws.camera(place));
+            if job.illumination.is_some() {
+                self.vertices.set(lane, Vertex::default());
+            }
+            self.exactly[lane] = true;
+            self.events.starts.push(Start { lane, position, direction, leaves: PrimitiveId::NONE });
+            counters.paths += u64::from(path.gathers != Gathers::Lamps);
+        }
+        self.live += free;
+        *next += free as u32;
+        counters.rays += free as u64;
         transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
         self.events.starts.clear();
     }
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
-        let geometry = &job.scene.geometry;
-        let Self { flights, moves, search, live, found, .. } = self;
-        search.queries.resize(*live);
-        let queries = search.queries.blocks_mut(*live);
-        transport.queries_all(flights.blocks(*live), moves.blocks(*live), queries);
-        let is_few = geometry.is_few::<T::Segment>();
-        if is_few {
-            geometry.search_few(search, *live);
-        }
-        let find = |lane: usize| {
-            let Query { segment, leaves, need } = search.queries.get(lane);
-            if need == Need::Pieces {
-                let (flight, step) = (flights.get(lane), moves.get(lane));
-                found[lane] = intersect(transport, geometry, &flight, &step, counters);
-                return;
-            }
-            counters.steps += 1;
-            counters.queries += u64::from(need == Need::Whole);
-            found[lane] = match need {
-                Need::Nothing => None,
-                _ if is_few => search.first(lane),
-                _ => geometry.intersect(&segment, leaves).map(|hit| (segment.point(hit.s), hit.primitive)),
-            }
-            .map(|(point, primitive)| Found { point, primitive });
-        };
-        (0..*live).for_each(find);
+        let Self { flights, moves, search, live, .. } = self;
+        intersect_all(transport, &job.scene.geometry, (flights, moves), search, *live, counters);
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
@@ -182,11 +164,11 @@ impl<T: Transport> Wavefront<T> {
         let lit = |vertices: &Columns<Vertex>, lane: usize| {
             job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
         };
-        let Self { flights, moves, vertices, found, exactly, live, events, scratch, .. } = self;
+        let Self { flights, moves, vertices, search, exactly, live, events, scratch, .. } = self;
         // Only lights without extent are passed.
         if let Some(illumination) = job.illumination.as_ref().filter(|i| i.lights.has_points()) {
             for lane in (0..*live).filter(|&lane| vertices.get(lane).is_lit) {
-                let ray = (&flights.get(lane), &moves.get(lane), found[lane]);
+                let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
                 if light::passes_its_light(illumination, transport, ray, &vertices.get(lane)) {
                     events.lit.push((lane, true));
                 }
@@ -195,7 +177,7 @@ impl<T: Transport> Wavefront<T> {
         let passed = events.lit.len();
         let fates = &mut counters.fates;
         let geometry = &job.scene.geometry;
-        let (found, exactly) = (&found[..*live], &exactly[..*live]);
+        let (found, exactly) = (&search.found[..*live], &exactly[..*live]);
         transport.settle_all(Moved { geometry, flights, moves, found, exactly }, scratch, |lane, outcome| {
             if let Some(illumination) = lit(vertices, lane) {
                 if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
@@ -243,7 +225,7 @@ impl<T: Transport> Wavefront<T> {
         for lane in 0..self.live {
             let is_lit = !self.vertices.is_empty() && self.vertices.get(lane).is_lit;
             let length = || {
-                let point = self.found[lane].map(|found| found.point);
+                let point = self.search.found[lane].map(|found| found.point);
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
             record_step(&self.paths.get(lane), is_lit, length, samples);
@@ -308,13 +290,15 @@ impl<T: Transport> Wavefront<T> {
 
     /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
     fn shade(&mut self, job: &Job, samples: &mut Samples, counters: &mut Counters) {
-        for (lane, landing) in self.events.landed.drain(..) {
+        let Self { paths, draws, .. } = self;
+        draws.vertices(job, self.events.landed.iter().map(|&(lane, _)| paths.get(lane)));
+        for (place, (lane, landing)) in self.events.landed.drain(..).enumerate() {
             let mut path = self.paths.get(lane);
             let mut vertex = Vertex::default();
             if job.illumination.is_some() {
                 vertex = self.vertices.get(lane);
             }
-            match shade(job, &mut path, &mut vertex, &landing, samples) {
+            match shade(job, &mut path, &mut vertex, &landing, &self.draws.vertex(place), samples) {
                 Some(direction) => {
                     let Landing { position, primitive: leaves, .. } = landing;
                     self.exactly[lane] = !vertex.is_lit || light::lands_exactly(&vertex);

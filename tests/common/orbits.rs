@@ -86,7 +86,7 @@ pub fn swept<R: Real>(journey: &Journey<R>) -> Option<f64> {
 
 /// A ray towards the sphere of critical rays around the hole: impact parameter `b` as near as the direction allows.
 pub fn aimed(medium: &Schwarzschild, rho: f64, b: f64, outwards: bool) -> DVec3 {
-    let n = medium.index_squared(1.0 / rho).sqrt();
+    let n = medium.index(1.0 / rho);
     let sine = (b / (n * rho)).min(1.0);
     let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
     DVec3::new(if outwards { cosine } else { -cosine }, sine, 0.0)

@@ -3,6 +3,10 @@ use rand::{RngExt, SeedableRng};
 
 use super::*;
 
+fn build(emissions: &[Emission], floor: f64) -> Tree {
+    Tree::build(emissions.len() as u32, |emitter| emissions[emitter as usize], floor)
+}
+
 struct Random(Xoshiro256PlusPlus);
 
 impl Random {
@@ -124,7 +128,7 @@ fn loss(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> f64 {
 fn probabilities_and_what_ends_without_an_emitter_sum_to_1() {
     let mut random = Random::new(1);
     for count in [1, 2, 3, 10, 300] {
-        let flat = Tree::build(&emissions(&cloud(&mut random, count, 0.2)), 0.0);
+        let flat = build(&emissions(&cloud(&mut random, count, 0.2)), 0.0);
         for _ in 0..200 {
             let (x, normal) = (1.5 * random.point(), random.normal());
             let sum: f64 = probabilities(&flat, x, normal).iter().sum();
@@ -138,7 +142,7 @@ fn with_a_floor_or_emitters_that_shine_everywhere_probabilities_sum_to_1() {
     let mut random = Random::new(2);
     let triangles = emissions(&cloud(&mut random, 500, 0.2));
     let sparks: Vec<Emission> = (0..500).map(|i| spark(random.point(), f64::from(i))).collect();
-    for tree in [Tree::build(&triangles, 0.1), Tree::build(&sparks, 0.0)] {
+    for tree in [build(&triangles, 0.1), build(&sparks, 0.0)] {
         for _ in 0..200 {
             // What lies behind a surface lights it only where there is a floor.
             let (x, any) = (1.5 * random.point(), random.normal());
@@ -157,7 +161,7 @@ fn where_nothing_shines_nothing_is_chosen() {
         cos_normals: 1.0,
         ..spark(DVec3::new(f64::from(i % 10), f64::from(i / 10), 0.0), 1.0)
     };
-    let tree = Tree::build(&(0..100).map(down).collect::<Vec<_>>(), 0.0);
+    let tree = build(&(0..100).map(down).collect::<Vec<_>>(), 0.0);
     let above = DVec3::new(4.0, 5.0, 8.0);
     assert_eq!(tree.sample(above, None, 0.3), None);
     assert!(probabilities(&tree, above, None).iter().all(|&p| p == 0.0));
@@ -169,7 +173,7 @@ fn emitters_are_chosen_as_often_as_their_probabilities_say_and_the_rest_of_u_is_
     const DRAWS: u32 = 400_000;
     let mut random = Random::new(3);
     for (count, floor) in [(2, 0.0), (7, 0.0), (60, 0.2)] {
-        let tree = Tree::build(&emissions(&cloud(&mut random, count, 0.3)), floor);
+        let tree = build(&emissions(&cloud(&mut random, count, 0.3)), floor);
         for _ in 0..5 {
             let (x, normal) = (random.point(), random.normal());
             let expected = probabilities(&tree, x, normal);
@@ -210,7 +214,7 @@ fn what_can_contribute_along_a_straight_line_is_never_left_out() {
         let offset = DVec3::splat(offset);
         let mut triangles = cloud(&mut random, count, size);
         triangles.iter_mut().for_each(|t| t.corners = t.corners.map(|corner| corner + offset));
-        let tree = Tree::build(&emissions(&triangles), 0.0);
+        let tree = build(&emissions(&triangles), 0.0);
         for i in 0..400 {
             // Every other point close to an emitter's plane, where light barely leaves it.
             let plane = &triangles[i % count];
@@ -241,7 +245,7 @@ fn emitters_of_a_narrow_beam_and_bent_ones_are_never_left_out() {
             ..spark(random.point(), 1.0)
         })
         .collect();
-    let tree = Tree::build(&lamps, 0.0);
+    let tree = build(&lamps, 0.0);
     let mut lost = 0;
     for _ in 0..1000 {
         let x = 1.5 * random.point();
@@ -261,7 +265,7 @@ fn with_a_floor_all_that_have_power_can_be_chosen() {
     let mut all = emissions(&cloud(&mut random, 300, 0.1));
     all.iter_mut().step_by(3).for_each(|emission| emission.power = 0.0);
     all[1].power = 1e-60;
-    let tree = Tree::build(&all, 0.05);
+    let tree = build(&all, 0.05);
     for _ in 0..300 {
         let (x, normal) = (2.0 * random.point(), random.normal());
         for (emission, probability) in all.iter().zip(probabilities(&tree, x, normal)) {
@@ -275,7 +279,7 @@ fn an_emitter_close_by_is_far_likelier_than_by_its_power() {
     let mut random = Random::new(7);
     let triangles = cloud(&mut random, 10_000, 0.005);
     let all = emissions(&triangles);
-    let tree = Tree::build(&all, 0.0);
+    let tree = build(&all, 0.0);
     let total: f64 = all.iter().map(|emission| emission.power).sum();
     for i in (0..10_000).step_by(100) {
         let [a, b, c] = triangles[i].corners;
@@ -305,7 +309,7 @@ fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power
     let all = emissions(&triangles);
     let total: f64 = all.iter().map(|emission| emission.power).sum();
     for floor in [0.0, 0.1] {
-        let tree = Tree::build(&all, floor);
+        let tree = build(&all, floor);
         let (mut by_tree, mut by_power) = (0.0, 0.0);
         for _ in 0..30 {
             let x = DVec3::new(18.0 * random.point().x, random.unit(), 18.0 * random.point().x);
@@ -324,13 +328,13 @@ fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power
 #[test]
 fn a_single_emitter_is_certain_and_none_is_none() {
     let x = DVec3::new(1e9, -3.0, 0.1);
-    let one = Tree::build(&[spark(DVec3::ONE, 0.0), spark(DVec3::ZERO, 3.0)], 0.0);
+    let one = build(&[spark(DVec3::ONE, 0.0), spark(DVec3::ZERO, 3.0)], 0.0);
     for at in [x, DVec3::ZERO] {
         assert_eq!(one.sample(at, Some(DVec3::X), 0.7), Some((1, 1.0, 0.7)));
         assert_eq!(probabilities(&one, at, Some(DVec3::X)), [0.0, 1.0]);
     }
     assert_eq!(one.probability(9, x, None), 0.0);
-    for none in [Tree::build(&[], 0.0), Tree::build(&[spark(DVec3::ONE, 0.0)], 1.0)] {
+    for none in [build(&[], 0.0), build(&[spark(DVec3::ONE, 0.0)], 1.0)] {
         assert!(none.is_empty());
         assert_eq!(none.sample(x, None, 0.5), None);
         assert_eq!(none.probability(0, x, None), 0.0);
@@ -351,7 +355,7 @@ fn emitters_in_one_place_in_a_row_and_far_away_are_all_found() {
     ];
     for (name, place) in layouts {
         let all: Vec<Emission> = (0..1000).map(|i| spark(place(i), 1.0 + f64::from(i))).collect();
-        let tree = Tree::build(&all, 0.0);
+        let tree = build(&all, 0.0);
         let mut random = Random::new(9);
         for x in [DVec3::ZERO, place(17), place(999), DVec3::splat(1e9), DVec3::splat(-1e30)] {
             let all = probabilities(&tree, x, None);
@@ -374,7 +378,7 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
     for ratio in [0.5f64, 0.999] {
         let all: Vec<Emission> =
             (0..100_000).map(|i| spark(DVec3::splat(ratio.powi(i)), ratio.powi(-(i % 400)))).collect();
-        let tree = Tree::build(&all, 0.0);
+        let tree = build(&all, 0.0);
         let mut trails = tree.trails.clone();
         trails.sort_unstable();
         trails.dedup();

@@ -6,7 +6,7 @@ use super::polish::{Aim, Pose, Span};
 use super::{CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow};
 use crate::math::columns::Row;
-use crate::math::kernel::{Kernel, NOTHING, map};
+use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
@@ -141,7 +141,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
         flights: &[<CurvedFlight<R> as Row>::Block],
         moves: &mut [<CurvedMove<R> as Row>::Block],
     ) {
-        map(self, flights, NOTHING, moves);
+        map_full::<R, _>(self, flights, NOTHING, moves);
     }
 
     fn pose(&self, span: &Span<R>, aim: &Aim) -> Pose<R> {

@@ -7,11 +7,11 @@ mod polish;
 
 use glam::DVec3;
 
-use super::transport::{Found, Landing, Moved, Outcome, Start, Transport};
+use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, Control, End, Phase, PlaneArc};
-use crate::geometry::{Geometry, Need, PrimitiveId, Query};
-use crate::math::columns::{Columns, Field, Row, columns, plain_field};
-use crate::math::kernel::{Kernel, NOTHING, map};
+use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
+use crate::math::columns::{Columns, Field, LANES, Row, columns, plain_field};
+use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
 use launch::{Launching, Place};
@@ -20,8 +20,8 @@ use onward::{Onward, Turn};
 use polish::Polishing;
 
 /// A number that columns can hold.
-pub trait Lane: Real + Field<Block: Send> {}
-impl<R: Real + Field<Block: Send>> Lane for R {}
+pub trait Lane: Real + Field<Block<LANES>: Send> {}
+impl<R: Real + Field<Block<LANES>: Send>> Lane for R {}
 
 /// Rays of a static, spherically symmetric spacetime, followed in numbers of type `R`.
 ///
@@ -277,7 +277,6 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
 /// What a wavefront of curved rays keeps from round to round.
 #[derive(Default)]
 pub struct Scratch<R: Lane> {
-    next: Columns<CurvedFlight<R>>,
     starts: Columns<Place>,
     launched: Columns<CurvedFlight<R>>,
     polishing: Polishing<R>,
@@ -362,18 +361,11 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let Scratch { next, polishing, .. } = scratch;
+        let polishing = &mut scratch.polishing;
         let lanes = found.len();
-        next.resize(lanes);
-        map(&Onward(self), flights.blocks(lanes), moves.blocks(lanes), next.blocks_mut(lanes));
         polishing.clear();
         for (lane, found) in found.iter().enumerate() {
-            let Some(found) = *found else {
-                if next.get(lane).turn != Turn::Flies {
-                    end(lane, self.outcome(&next.get(lane)));
-                }
-                continue;
-            };
+            let Some(found) = *found else { continue };
             if exactly[lane] {
                 polishing.push(lane, found);
             } else {
@@ -384,7 +376,14 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         self.polish_all(geometry, flights, moves, polishing, |lane, landing| {
             end(lane, Outcome::Landed(landing));
         });
-        std::mem::swap(flights, next);
+        // Those that landed go on as well, to nowhere.
+        update(&Onward(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        for (lane, found) in found.iter().enumerate() {
+            // Few rays end without landing: what was found is seldom asked for.
+            if flights.get(lane).turn != Turn::Flies && found.is_none() {
+                end(lane, self.outcome(&flights.get(lane)));
+            }
+        }
     }
 
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {

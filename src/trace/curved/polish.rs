@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use super::{Curved, CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Phase, Step, Stepper};
-use crate::geometry::{Carrier, FewSearch, Geometry, Line, Need, PrimitiveId, Query, Segment};
+use crate::geometry::{Carrier, Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment};
 use crate::math::columns::{Columns, LANES, Row, columns};
 use crate::math::kernel::{Kernel, map};
 use crate::spacetime::ConformallyFlat;
-use crate::trace::transport::{Found, Landing};
+use crate::trace::transport::Landing;
 
 columns! {
     /// A step, of which parts are wanted.
@@ -96,12 +96,14 @@ impl<R: Lane> Span<R> {
     pub fn pose<M: ConformallyFlat>(&self, medium: &M, stepper: &impl Stepper, aim: &Aim) -> Pose<R> {
         let start = Phase { w: self.w, v: self.v, pull: self.pull };
         let step = Step::new(medium, stepper, self.b, start, R::of(aim.s) * self.h);
-        let ([x, y], [tangent_x, tangent_y]) = (step.displacement(), step.end_tangent());
+        let ([x, y], [momentum_x, momentum_y]) = (step.displacement(), step.end_momentum());
+        let (w, n) = (step.end.w, step.end.index(self.b));
+        let per_n = R::of(1.0) / n;
+        let (tangent_x, tangent_y) = (momentum_x * per_n, momentum_y * per_n);
         // |dx/dξ| = n c²/w².
-        let (w, v, across) = (step.end.w, step.end.v, self.b * step.end.w);
-        let n = (v * v + across * across).sqrt();
         let speed = self.h * n * step.cos * step.cos / (w * w);
-        let curvature = step.end.pull * across * (w * w) / (n * n * n);
+        let w_per_n = w * per_n;
+        let curvature = step.end.pull * self.b * (w_per_n * w_per_n * w_per_n);
         Pose { x, y, tangent_x, tangent_y, w, speed, curvature, s: aim.s }
     }
 }
@@ -182,7 +184,7 @@ pub struct Polishing<R: Lane> {
     aims: Columns<Aim>,
     poses: Columns<Pose<R>>,
     caught: Columns<Caught>,
-    between: FewSearch<Line>,
+    between: Search<Line>,
 }
 
 impl<R: Lane> Polishing<R> {
@@ -199,6 +201,7 @@ impl<R: Lane> Polishing<R> {
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     /// Guesses which part of a step leads to `point`, relative to the centre.
+    #[inline(always)]
     fn part(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
         let tangent = (flight.b * flight.h).value();
         let s = if tangent > 1e-3 {
@@ -257,7 +260,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
         let caught = Catching(PhantomData).run(&chase, &pose);
         let between = || self.first_between(geometry, found, &caught);
-        self.land(geometry, (flight, step, found), &caught, between)
+        self.land(geometry, found, &caught, || (*flight, *step), between)
     }
 
     /// The same for many, lane beside lane; `each` is told where the ray of a lane lands.
@@ -296,22 +299,17 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             }
         }
         map(&Catching(PhantomData), chases.blocks(lanes), poses.blocks(lanes), caught.blocks_mut(lanes));
-        let is_few = geometry.is_few::<Line>();
-        if is_few {
-            between.queries.gather(lanes, |i| {
-                let Found { point, primitive } = hits[i].1;
-                let segment = Line { p0: point, p2: caught.get(i).position };
-                Query { segment, leaves: primitive, need: Need::Whole }
-            });
-            geometry.search_few(between, lanes);
-        }
+        between.queries.gather(lanes, |i| {
+            let Found { point, primitive } = hits[i].1;
+            let segment = Line { p0: point, p2: caught.get(i).position };
+            Query { segment, leaves: primitive, need: Need::Whole }
+        });
+        geometry.search_all(between, lanes);
         for (i, &(lane, found)) in hits.iter().enumerate() {
-            let (flight, step, caught) = (flights.get(lane), moves.get(lane), caught.get(i));
-            let met = || match is_few {
-                true => between.first(i).map(|(_, primitive)| primitive),
-                false => self.first_between(geometry, found, &caught),
-            };
-            each(lane, self.land(geometry, (&flight, &step, found), &caught, met));
+            let caught = caught.get(i);
+            let ray = || (flights.get(lane), moves.get(lane));
+            let met = || between.found[i].map(|found| found.primitive);
+            each(lane, self.land(geometry, found, &caught, ray, met));
         }
     }
 
@@ -321,12 +319,14 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         geometry.intersect(&way, found.primitive).map(|hit| hit.primitive)
     }
 
-    /// Where a ray lands: where it was caught, if that is on the primitive and nothing is in `between`.
+    /// Where a ray lands: where it was caught, if that is on the primitive and nothing is in `between`. Seldom asks for the
+    /// `ray` itself.
     fn land(
         &self,
         geometry: &Geometry,
-        (flight, step, found): (&CurvedFlight<R>, &CurvedMove<R>, Found),
+        found: Found,
         caught: &Caught,
+        ray: impl Fn() -> (CurvedFlight<R>, CurvedMove<R>),
         between: impl FnOnce() -> Option<PrimitiveId>,
     ) -> Landing {
         let Found { point, primitive } = found;
@@ -343,14 +343,15 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             }
             // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
             let reach = 2.0 * moved * direction;
-            if moved < 0.1 * position.distance(flight.position + self.center) {
+            if moved < 0.1 * position.distance(ray().0.position + self.center) {
                 let tangent = Line { p0: position - reach, p2: position + reach };
                 if let Some(hit) = geometry.intersect(&tangent, PrimitiveId::NONE) {
                     return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
                 }
             }
         }
-        let (span, chase, aim) = self.chase(geometry, flight, step, found);
+        let (flight, step) = ray();
+        let (span, chase, aim) = self.chase(geometry, &flight, &step, found);
         let (_, direction, _) = chase.at(&self.march.pose(&span, &aim));
         Landing { position: point, direction: direction.normalize(), primitive }
     }

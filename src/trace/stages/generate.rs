@@ -4,36 +4,48 @@ use glam::{DVec2, DVec3, Vec3};
 
 use super::super::path::Path;
 use super::super::work::{Job, Work};
+use super::draw::Draw;
 use crate::scene::Filter;
 use crate::shade::Media;
 
-/// The path `index` of `work`, with the world start and unit direction of its camera ray.
+/// The path `index` of `work`, before its camera ray.
 ///
 /// Paths are numbered sample by sample within each pixel, so that lanes next to each other see much the same scene.
 #[inline]
-pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
+pub fn start(job: &Job, work: &Work, index: u32) -> Path {
     let ((x, y), gathers) = work.path(index);
-    let sample = work.first_sample + index % work.samples;
-    let pixel = (y * job.settings.width + x) as u32;
-    let [u, v, ..] = job.sampler.four(pixel, sample, 0).map(f64::from);
-    let offset = match job.settings.filter {
-        Filter::Box => DVec2::new(u, v),
-        Filter::Tent => DVec2::new(0.5 + tent(u), 0.5 + tent(v)),
-    };
-    let size = DVec2::new(job.settings.width as f64, job.settings.height as f64);
-    let film = (DVec2::new(x as f64, y as f64) + offset) / size;
-    let (origin, direction) = job.scene.camera.ray(film, size.x / size.y);
-    let path = Path {
-        pixel,
-        sample,
+    Path {
+        pixel: (y * job.settings.width + x) as u32,
+        sample: work.first_sample + index % work.samples,
         slot: index,
         depth: 1,
         throughput: Vec3::ONE,
         gathers,
         radiance: Vec3::ZERO,
         media: Media::VACUUM,
+    }
+}
+
+/// World start and unit direction of a path's camera ray, from four numbers in [0, 1).
+#[inline]
+pub fn camera_ray(job: &Job, path: &Path, numbers: [f32; 4]) -> (DVec3, DVec3) {
+    let width = job.settings.width as u32;
+    let [u, v, ..] = numbers.map(f64::from);
+    let offset = match job.settings.filter {
+        Filter::Box => DVec2::new(u, v),
+        Filter::Tent => DVec2::new(0.5 + tent(u), 0.5 + tent(v)),
     };
-    (path, origin, direction)
+    let size = DVec2::new(job.settings.width as f64, job.settings.height as f64);
+    let corner = DVec2::new(f64::from(path.pixel % width), f64::from(path.pixel / width));
+    job.scene.camera.ray((corner + offset) / size, size.x / size.y)
+}
+
+/// Both, one path at a time.
+#[inline]
+pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
+    let path = start(job, work, index);
+    let (position, direction) = camera_ray(job, &path, job.sampler.four(Draw::Ray.key(&path, 0)));
+    (path, position, direction)
 }
 
 /// A number with the density of a tent on [−1, 1].

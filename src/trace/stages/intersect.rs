@@ -1,8 +1,9 @@
 //! Searching the scene along a move.
 
 use super::super::stats::Counters;
-use super::super::transport::{Found, Transport};
-use crate::geometry::{Geometry, Segment};
+use super::super::transport::Transport;
+use crate::geometry::{Found, Geometry, Need, Search, Segment};
+use crate::math::columns::Columns;
 
 /// The first thing that a move meets.
 #[inline(always)]
@@ -19,4 +20,32 @@ pub fn intersect<T: Transport>(
         let hit = geometry.intersect(segment, leaves)?;
         Some(Found { point: segment.point(hit.s), primitive: hit.primitive })
     })
+}
+
+/// The first things that the moves in the first `lanes` lanes meet.
+pub fn intersect_all<T: Transport>(
+    transport: &T,
+    geometry: &Geometry,
+    (flights, moves): (&Columns<T::Flight>, &Columns<T::Move>),
+    search: &mut Search<T::Segment>,
+    lanes: usize,
+    counters: &mut Counters,
+) {
+    search.queries.resize(lanes);
+    let queries = search.queries.blocks_mut(lanes);
+    transport.queries_all(flights.blocks(lanes), moves.blocks(lanes), queries);
+    geometry.search_all(search, lanes);
+    for lane in 0..lanes {
+        match search.queries.get(lane).need {
+            Need::Nothing => counters.steps += 1,
+            Need::Whole => {
+                counters.steps += 1;
+                counters.queries += 1;
+            }
+            Need::Pieces => {
+                let (flight, step) = (flights.get(lane), moves.get(lane));
+                search.found[lane] = intersect(transport, geometry, &flight, &step, counters);
+            }
+        }
+    }
 }

@@ -4,11 +4,12 @@ use glam::{DVec3, Vec3};
 
 use super::super::illumination::Illumination;
 use super::super::path::Path;
-use super::super::transport::{Found, Landing, Outcome, Transport};
+use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
+use super::draw::Draw;
 use super::scatter::incidence;
-use crate::geometry::Segment;
+use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
 
@@ -23,10 +24,6 @@ pub struct LightRay {
     pub brings: Vec3,
 }
 
-/// Sets of random numbers of light sampling, beyond those of scattering.
-const SETS: u32 = 1 << 16;
-/// Those of light rays at mirrors and glass.
-const BENT_SETS: u32 = 2 << 16;
 /// Least probability of a light ray.
 const LEAST_CHANCE: f64 = 0.1;
 /// How far from a light without extent a ray may pass that was aimed at it, relative to the move.
@@ -37,7 +34,7 @@ pub fn chance(path: &Path) -> f64 {
     f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
 }
 
-/// A ray from `landing` to a light; `None` if it would bring nothing.
+/// A ray from `position` to a light, from four numbers in [0, 1); `None` if it would bring nothing.
 #[inline]
 pub fn propose(
     job: &Job,
@@ -45,12 +42,13 @@ pub fn propose(
     path: &Path,
     incidence: &Incidence,
     position: DVec3,
+    numbers: [f32; 4],
 ) -> Option<LightRay> {
     let material = &job.scene.materials[incidence.material as usize];
     if path.depth >= job.settings.max_depth || !material.spreads_light() {
         return None;
     }
-    let mut numbers = job.sampler.four(path.pixel, path.sample, SETS + path.depth).map(f64::from);
+    let mut numbers = numbers.map(f64::from);
     let chance = chance(path);
     if numbers[0] >= chance {
         return None;
@@ -156,7 +154,7 @@ pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
         return None;
     }
     let incidence = incidence(&surface, landing.direction, vertex.media);
-    let numbers = job.sampler.four(path.pixel, path.sample, BENT_SETS + vertex.depth);
+    let numbers = job.sampler.four(Draw::Bend.key(path, vertex.depth));
     let bounce = shade::scatter(materials, &incidence, numbers)?;
     vertex.brings *= bounce.weight;
     vertex.media = bounce.media;

@@ -8,6 +8,7 @@
 //! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
 //! | [`escape`] | direction at infinity, environment | radiance |
 //! | [`emit`] | landing, material | radiance |
+//! | [`draw`] | path | random numbers |
 //! | [`scatter`] | landing, material | throughput, a ray |
 //! | [`shade`] | landing | the three at a surface: [`record`], [`emit`], [`scatter`] |
 //! | [`record`] | camera ray | first-hit planes, only those asked for |
@@ -15,6 +16,7 @@
 //! [`Transport::advance`]: super::transport::Transport::advance
 //! [`Transport::settle`]: super::transport::Transport::settle
 
+pub mod draw;
 pub mod emit;
 pub mod escape;
 pub mod generate;

@@ -18,16 +18,15 @@ pub fn incidence(surface: &SurfacePoint, direction: DVec3, media: Media) -> Inci
     }
 }
 
-/// Continues a path from a surface; `None` if it ends here.
+/// Continues a path from a surface, with four numbers in [0, 1); `None` if it ends here.
 ///
 /// Roulette ends a path with probability 1 − max(throughput) and makes up for it in those that survive: the mean is
 /// unchanged.
 #[inline]
-pub fn scatter(job: &Job, path: &mut Path, incidence: &Incidence) -> Option<Bounce> {
+pub fn scatter(job: &Job, path: &mut Path, incidence: &Incidence, numbers: [f32; 4]) -> Option<Bounce> {
     if path.depth >= job.settings.max_depth {
         return None;
     }
-    let numbers = job.sampler.four(path.pixel, path.sample, path.depth);
     let bounce = shade::scatter(&job.scene.materials, incidence, numbers)?;
     path.throughput *= bounce.weight;
     path.media = bounce.media;

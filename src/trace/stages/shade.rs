@@ -7,6 +7,7 @@ use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
 use super::super::work::Job;
+use super::draw::Numbers;
 use super::emit::emit;
 use super::light::{self, propose};
 use super::record::record_hit;
@@ -21,6 +22,7 @@ pub fn shade(
     path: &mut Path,
     vertex: &mut Vertex,
     landing: &Landing,
+    numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
     let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
@@ -34,15 +36,15 @@ pub fn shade(
         _ => {}
     }
     let Some(illumination) = &job.illumination else {
-        return scatter(job, path, &incidence).map(|bounce| bounce.direction);
+        return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     };
     if is_specular && illumination.is_guided() {
         vertex.is_bent = true;
-        return scatter(job, path, &incidence).map(|bounce| bounce.direction);
+        return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     }
     let (depth, chance) = (path.depth + 1, light::chance(path));
-    let light_ray = propose(job, illumination, path, &incidence, landing.position);
-    let bounce = scatter(job, path, &incidence);
+    let light_ray = propose(job, illumination, path, &incidence, landing.position, numbers.light);
+    let bounce = scatter(job, path, &incidence, numbers.ray);
     *vertex = Vertex {
         position: landing.position,
         normal: incidence.facing().0,

@@ -1,0 +1,157 @@
+//! Searches of many segments at once.
+//!
+//! Where there are few primitives, segments are tested side by side ([`few`](super::few)). Elsewhere each is taken
+//! through the hierarchy, several by turns: while one waits for memory, others go on.
+
+use glam::DVec3;
+use obvhs::faststack::HeapStack;
+
+use super::SideBySide;
+use super::bvh::Walk;
+use super::few::Few;
+use super::nearest::Nearest;
+use super::query::{Need, Query};
+use super::scene::{Geometry, PrimitiveId};
+use crate::math::columns::Columns;
+use crate::math::kernel::widest;
+
+/// Something found along a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// World position of the crossing.
+    pub point: DVec3,
+    /// What is crossed.
+    pub primitive: PrimitiveId,
+}
+
+/// Segments to be searched and what they meet first. Its memory is used again from round to round.
+pub struct Search<S: SideBySide> {
+    /// What to search.
+    pub queries: Columns<Query<S>>,
+    /// The first crossing, by lane; nothing for what is not to be searched as a whole.
+    pub found: Vec<Option<Found>>,
+    few: Few,
+}
+
+/// Walks that go by turns: enough that what the next of them visits has come when it is its turn. Measured.
+const TURNS: usize = 8;
+
+impl<S: SideBySide> Default for Search<S> {
+    fn default() -> Self {
+        Self { queries: Columns::default(), found: Vec::new(), few: Few::default() }
+    }
+}
+
+impl Geometry {
+    /// Searches the first `lanes` queries of `search`.
+    pub fn search_all<S: SideBySide>(&self, search: &mut Search<S>, lanes: usize) {
+        let Search { queries, found, few } = search;
+        found.clear();
+        found.resize(lanes, None);
+        if self.is_few::<S>() {
+            few.search::<S>(self, queries.blocks(lanes));
+            for (lane, found) in found.iter_mut().enumerate() {
+                let (s, primitive) = few.first(lane);
+                let point = || queries.get(lane).segment.point(s);
+                *found = (s < f64::INFINITY).then(|| Found { point: point(), primitive });
+            }
+        } else {
+            widest(ByTurns { geometry: self, queries, found });
+        }
+    }
+}
+
+/// Takes all queries through the hierarchy.
+struct ByTurns<'a, S: SideBySide> {
+    geometry: &'a Geometry,
+    queries: &'a Columns<Query<S>>,
+    found: &'a mut [Option<Found>],
+}
+
+/// A walk with what it looks for, and for which lane.
+struct Turn<'a, S> {
+    walk: Walk<HeapStack<u64>>,
+    nearest: Nearest<'a, S>,
+    lane: usize,
+}
+
+impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let ByTurns { geometry, queries, found } = self;
+        let bvh = &geometry.bvh;
+        let mut turns: [Turn<S>; TURNS] = std::array::from_fn(|_| Turn {
+            walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
+            nearest: Nearest::new(geometry, &S::default(), PrimitiveId::NONE),
+            lane: 0,
+        });
+        let (mut lane, mut busy) = (0, true);
+        while busy || lane < found.len() {
+            busy = false;
+            for turn in &mut turns {
+                if !turn.walk.is_on {
+                    let Some(next) = (lane..found.len()).find(|&lane| queries.get(lane).need == Need::Whole)
+                    else {
+                        lane = found.len();
+                        continue;
+                    };
+                    lane = next + 1;
+                    let Query { segment, leaves, .. } = queries.get(next);
+                    turn.lane = next;
+                    turn.nearest = Nearest::new(geometry, &segment, leaves);
+                    turn.walk.start(bvh, &turn.nearest.chord(), &mut turn.nearest);
+                } else {
+                    turn.walk.step(bvh, &mut turn.nearest);
+                }
+                if turn.walk.is_on {
+                    turn.walk.prefetch(bvh, &turn.nearest);
+                    busy = true;
+                } else {
+                    let point = |s: f64| queries.get(turn.lane).segment.point(s);
+                    let hit = turn.nearest.hit;
+                    found[turn.lane] = hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesic::Arc;
+    use crate::geometry::{Line, Primitives, Sphere, Surface};
+
+    const LANES: usize = 30;
+
+    /// Segments that are searched together meet what each of them meets by itself.
+    fn check<S: SideBySide>(geometry: &Geometry, segment: impl Fn(usize) -> S) {
+        let query = |i| Query { segment: segment(i), leaves: PrimitiveId::NONE, need: Need::Whole };
+        let mut search = Search::default();
+        search.queries.gather(LANES, query);
+        geometry.search_all(&mut search, LANES);
+        for (i, found) in search.found.iter().enumerate() {
+            let alone = geometry.intersect_brute_force(&segment(i), PrimitiveId::NONE);
+            assert_eq!(found.map(|found| found.primitive), alone.map(|alone| alone.primitive), "segment {i}");
+        }
+        assert!(search.found.iter().any(Option::is_some));
+    }
+
+    #[test]
+    fn any_number_of_spheres_can_be_searched() {
+        for count in 1..40 {
+            let surface = Surface { material: 0, entity: 0 };
+            let sphere = |i: u32| (Sphere { center: 2.0 * f64::from(i) * DVec3::Z, radius: 0.9 }, surface);
+            let spheres = (0..count).map(sphere).collect();
+            let geometry = Geometry::build(Primitives { spheres, ..Primitives::default() });
+            let ends = |i: usize| {
+                let (sin, cos) = (1.7 * i as f64).sin_cos();
+                (DVec3::new(9.0, cos, 2.0 * i as f64), DVec3::new(-9.0, sin, 3.0 * i as f64 * cos))
+            };
+            check(&geometry, |i| Line { p0: ends(i).0, p2: ends(i).1 });
+            check(&geometry, |i| Arc { p0: ends(i).0, p1: 3.0 * DVec3::Y, p2: ends(i).1, w: 0.5 });
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Rays followed together, each to its end: no paths, only where light goes.
+
+use std::convert::Infallible;
+
+use super::shoot::Ray;
+use super::stages::intersect::intersect_all;
+use super::stats::Counters;
+use super::transport::{Moved, Outcome, Start, Transport};
+use crate::geometry::{Geometry, Search};
+use crate::math::columns::Columns;
+
+/// A worker's rays. Lanes are dense, as in a wavefront; none is filled again.
+pub(super) struct Flock<T: Transport> {
+    flights: Columns<T::Flight>,
+    moves: Columns<T::Move>,
+    search: Search<T::Segment>,
+    scratch: T::Scratch,
+    /// Which ray flies in a lane.
+    rays: Vec<usize>,
+    /// It always matters where exactly a ray lands.
+    exactly: Vec<bool>,
+    starts: Vec<Start>,
+    /// Lanes whose rays ended in this round.
+    ended: Vec<usize>,
+}
+
+impl<T: Transport> Default for Flock<T> {
+    fn default() -> Self {
+        Self {
+            flights: Columns::default(),
+            moves: Columns::default(),
+            search: Search::default(),
+            scratch: T::Scratch::default(),
+            rays: Vec::new(),
+            exactly: Vec::new(),
+            starts: Vec::new(),
+            ended: Vec::new(),
+        }
+    }
+}
+
+impl<T: Transport> Flock<T> {
+    /// Where `rays` end, in their order, as [`follow`](super::shoot::follow) tells of each.
+    pub fn follow(
+        &mut self,
+        transport: &T,
+        geometry: &Geometry,
+        rays: &[Ray],
+        ends: &mut Vec<Outcome<Infallible>>,
+    ) {
+        ends.clear();
+        ends.resize(rays.len(), Outcome::NonFinite);
+        self.launch(transport, rays);
+        let (mut live, mut counters) = (rays.len(), Counters::default());
+        let Self { flights, moves, search, scratch, rays, exactly, ended, .. } = self;
+        while live > 0 {
+            transport.advance_all(flights.blocks(live), moves.blocks_mut(live));
+            intersect_all(transport, geometry, (flights, moves), search, live, &mut counters);
+            let (found, exactly) = (&search.found[..live], &exactly[..live]);
+            transport.settle_all(
+                Moved { geometry, flights, moves, found, exactly },
+                scratch,
+                |lane, outcome| {
+                    if let Ok(end) = outcome.end() {
+                        ends[rays[lane]] = end;
+                        ended.push(lane);
+                    }
+                },
+            );
+            // From the back, so that no lane that ended is moved.
+            ended.sort_unstable();
+            while let Some(lane) = ended.pop() {
+                live -= 1;
+                flights.set(lane, flights.get(live));
+                rays[lane] = rays[live];
+            }
+        }
+    }
+
+    fn launch(&mut self, transport: &T, rays: &[Ray]) {
+        self.flights.resize(rays.len());
+        self.moves.resize(rays.len());
+        self.exactly.resize(rays.len(), true);
+        self.rays.clear();
+        self.rays.extend(0..rays.len());
+        let start =
+            |(lane, &Ray { position, direction, leaves })| Start { lane, position, direction, leaves };
+        self.starts.clear();
+        self.starts.extend(rays.iter().enumerate().map(start));
+        transport.launch_all(&self.starts, &mut self.flights, &mut self.scratch);
+    }
+}

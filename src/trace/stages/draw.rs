@@ -1,0 +1,86 @@
+//! Random numbers for what happens to a path.
+
+use super::super::path::Path;
+use super::super::work::Job;
+use crate::shade::Key;
+
+/// What takes random numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Draw {
+    /// The camera ray, or the next ray from a vertex.
+    Ray,
+    /// A light ray from a vertex.
+    Light,
+    /// A light ray at a mirror or glass.
+    Bend,
+}
+
+impl Draw {
+    /// What the numbers for this are keyed with, at a depth below 2¹⁶: 0 for the camera.
+    #[inline]
+    pub fn key(self, path: &Path, depth: u32) -> Key {
+        Key { pixel: path.pixel, sample: path.sample, set: ((self as u32) << 16) + depth }
+    }
+}
+
+/// Random numbers for a vertex, each in [0, 1).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Numbers {
+    /// For the next ray.
+    pub ray: [f32; 4],
+    /// For a light ray, where lights are sampled.
+    pub light: [f32; 4],
+}
+
+impl Numbers {
+    /// Those for where `path` has landed.
+    pub fn draw(job: &Job, path: &Path) -> Self {
+        let four = |draw: Draw| job.sampler.four(draw.key(path, path.depth));
+        let light = if job.illumination.is_some() { four(Draw::Light) } else { [0.0; 4] };
+        Self { ray: four(Draw::Ray), light }
+    }
+}
+
+/// Random numbers for many paths, drawn side by side.
+#[derive(Default)]
+pub struct Draws {
+    keys: Vec<Key>,
+    ray: Vec<[f32; 4]>,
+    light: Vec<[f32; 4]>,
+}
+
+impl Draws {
+    /// Draws for the camera rays of `paths`.
+    pub fn cameras(&mut self, job: &Job, paths: impl Iterator<Item = Path>) {
+        let keys = paths.map(|path| Draw::Ray.key(&path, 0));
+        draw(job, keys, &mut self.keys, &mut self.ray);
+    }
+
+    /// Draws for where `paths` have landed.
+    pub fn vertices(&mut self, job: &Job, paths: impl Iterator<Item = Path> + Clone) {
+        let keys = |draw: Draw| paths.clone().map(move |path| draw.key(&path, path.depth));
+        draw(job, keys(Draw::Ray), &mut self.keys, &mut self.ray);
+        if job.illumination.is_some() {
+            draw(job, keys(Draw::Light), &mut self.keys, &mut self.light);
+        }
+    }
+
+    /// The numbers for the camera ray with this place among them.
+    #[inline]
+    pub fn camera(&self, place: usize) -> [f32; 4] {
+        self.ray[place]
+    }
+
+    /// The numbers for the path with this place among those that landed.
+    #[inline]
+    pub fn vertex(&self, place: usize) -> Numbers {
+        let light = if self.light.is_empty() { [0.0; 4] } else { self.light[place] };
+        Numbers { ray: self.ray[place], light }
+    }
+}
+
+fn draw(job: &Job, from: impl Iterator<Item = Key>, keys: &mut Vec<Key>, numbers: &mut Vec<[f32; 4]>) {
+    keys.clear();
+    keys.extend(from);
+    job.sampler.four_all(keys, numbers);
+}
