@@ -18,21 +18,22 @@ const HOLE: f64 = 5.0;
 /// Places at which a step is compared with its arc.
 const SAMPLES: usize = 24;
 
-/// The curve along a step, in many short ones: its points, and its end.
+/// The curve along a step, in many short ones: its points, its unit tangents there, and its end.
 ///
 /// What the step itself is off by at its end is for `tolerance` to bound.
-fn curve(medium: &Schwarzschild, step: &Step<f64>) -> (Vec<DVec2>, Phase<f64>) {
+fn curve(medium: &Schwarzschild, step: &Step<f64>) -> (Vec<DVec2>, Vec<DVec2>, Phase<f64>) {
     let b = step.b;
     let part = (b * step.h).atan() / SAMPLES as f64;
     let h = if part > 1e-6 { part.tan() / b } else { step.h / SAMPLES as f64 };
     let mut phase = step.start;
-    let mut points = Vec::new();
+    let (mut points, mut tangents) = (Vec::new(), Vec::new());
     for i in 1..=SAMPLES {
         phase = Step::new(medium, &Dop853, b, phase, h).end;
         let (sin, cos) = (i as f64 * part).sin_cos();
         points.push(DVec2::new(cos / phase.w - 1.0 / step.start.w, sin / phase.w));
+        tangents.push(DVec2::new(cos, sin).rotate(phase.momentum(b).into()).normalize());
     }
-    (points, phase)
+    (points, tangents, phase)
 }
 
 /// A step's arc in its plane.
@@ -40,18 +41,21 @@ fn in_plane(arc: &PlaneArc<f64>) -> Arc {
     arc.placed(DVec3::ZERO, DVec3::X, DVec3::Y)
 }
 
+/// Parameter of the point of the arc next to `point`.
+fn foot(point: DVec3, arc: &Arc) -> f64 {
+    // Newton's method for the foot of the perpendicular, from beside the point.
+    let mut s = arc.parameter_beside(point);
+    for _ in 0..3 {
+        let d = 1e-5;
+        let velocity = (arc.point(s + d) - arc.point(s - d)) / (2.0 * d);
+        s += (point - arc.point(s)).dot(velocity) / velocity.length_squared();
+    }
+    s
+}
+
 /// Largest distance of points from the arc.
 fn distance(points: &[DVec2], arc: &Arc) -> f64 {
-    let from_arc = |p: DVec3| {
-        // Newton's method for the foot of the perpendicular, from beside the point.
-        let mut s = arc.parameter_beside(p);
-        for _ in 0..3 {
-            let d = 1e-5;
-            let velocity = (arc.point(s + d) - arc.point(s - d)) / (2.0 * d);
-            s += (p - arc.point(s)).dot(velocity) / velocity.length_squared();
-        }
-        p.distance(arc.point(s))
-    };
+    let from_arc = |p: DVec3| p.distance(arc.point(foot(p, arc)));
     points.iter().map(|p| from_arc(p.extend(0.0))).fold(0.0, f64::max)
 }
 
@@ -113,7 +117,7 @@ fn shares<S: Stepper>(stepper: &S, tolerance: f64, arc_tolerance: f64, count: u6
                 break found;
             }
         };
-        let (points, end) = curve(&medium, &step);
+        let (points, _, end) = curve(&medium, &step);
         let arc = PlaneArc {
             error: arc.error,
             ..fit_arc(&Step { end, rise: end.w - step.start.w * step.cos, ..step })
@@ -163,4 +167,27 @@ fn arcs_of_the_standard_preset_keep_to_the_curve_within_the_arc_tolerance() {
 #[test]
 fn arcs_of_the_longest_steps_keep_to_the_curve_within_the_arc_tolerance() {
     check("Dop853", &Dop853, 1e-3);
+}
+
+#[test]
+fn arcs_that_stand_for_their_rays_are_much_nearer_than_the_tolerance() {
+    let medium = Schwarzschild::new(HOLE);
+    for tolerance in [1e-3, 1e-5, 1e-7] {
+        let control = Control::new(&medium, tolerance, 1e-2);
+        let of = |seed: u64| {
+            let (step, arc) = random_step(&medium, &Rkn6, &mut Random::new(seed), (tolerance, 1e-2))?;
+            let (points, tangents, _) = curve(&medium, &step);
+            let plane = in_plane(&arc);
+            let turned = |(p, tangent): (&DVec2, &DVec2)| {
+                plane.velocity(foot(p.extend(0.0), &plane)).normalize().cross(tangent.extend(0.0)).length()
+            };
+            let turned = points.iter().zip(&tangents).map(turned).fold(0.0, f64::max);
+            let away = distance(&points, &plane) / plane.p0.distance(plane.p2);
+            control.is_close(&arc).then_some((away / tolerance, turned / tolerance))
+        };
+        let close: Vec<(f64, f64)> = (0..10_000).into_par_iter().filter_map(of).collect();
+        let largest = close.iter().fold((0.0, 0.0), |a: (f64, f64), b| (a.0.max(b.0), a.1.max(b.1)));
+        println!("{tolerance:5.0e}: {} of 10 000, off by {:.3} and {:.3}", close.len(), largest.0, largest.1);
+        assert!(close.len() > 2000 && largest.0 < 0.5 && largest.1 < 1.0);
+    }
 }

@@ -1,7 +1,7 @@
 //! Step size from error estimates.
 
 use super::stepper::Estimate;
-use super::{Phase, Step, Stepper};
+use super::{Phase, PlaneArc, Step, Stepper};
 use crate::math::real::Real;
 use crate::math::rough;
 use crate::spacetime::ConformallyFlat;
@@ -13,6 +13,8 @@ pub struct Control<R> {
     tolerance: R,
     /// Inverse of the largest distance between an arc and the curve, scene units.
     per_arc_tolerance: R,
+    /// Distance between an arc and the curve, relative to the chord, that is as good as none; squared.
+    negligible: R,
     /// Inverse radius of the horizon; infinite without one.
     horizon: R,
     /// Inverse radius of the photon sphere; infinite without one.
@@ -56,6 +58,8 @@ const LONGEST_FALL: f64 = 0.5;
 const LONGEST_RISE: f64 = 1.0;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
+/// Part of the tolerance by which an arc may miss the curve and still stand for it.
+const NEGLIGIBLE: f64 = 0.1;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
@@ -67,8 +71,10 @@ impl<R: Real> Control<R> {
 
     /// Control of rays around `medium`: `tolerance` in radians, `arc_tolerance` in scene units.
     pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64, arc_tolerance: f64) -> Self {
+        let tolerance = tolerance.max(Self::least_tolerance());
         Self {
-            tolerance: R::of(tolerance.max(Self::least_tolerance())),
+            tolerance: R::of(tolerance),
+            negligible: R::of((NEGLIGIBLE * tolerance) * (NEGLIGIBLE * tolerance)),
             per_arc_tolerance: R::of(1.0 / arc_tolerance),
             horizon: R::of(1.0 / medium.horizon()),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
@@ -113,6 +119,13 @@ impl<R: Real> Control<R> {
         let most = if accepted { GROWTH.1 } else { HALVED };
         let factor = factor.at_most(most).at_least(GROWTH.0);
         Verdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
+    }
+
+    /// Whether an arc is so near the curve that what meets the one meets the other as well as is asked for.
+    #[inline(always)]
+    pub fn is_close(&self, arc: &PlaneArc<R>) -> bool {
+        let [x, y] = arc.end;
+        arc.error * arc.error <= self.negligible * (x * x + y * y)
     }
 
     /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.

@@ -108,6 +108,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
             weight: arc.weight,
             next_h,
             error,
+            is_close: self.held.control.is_close(&arc),
             accepted: accepted & (step.end.w > R::of(0.0)),
         }
     }

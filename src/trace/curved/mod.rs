@@ -109,6 +109,8 @@ columns! {
         next_h: R,
         /// Relative error.
         error: R,
+        /// Whether the arc is so near the ray that what it meets is where the ray meets it.
+        is_close: bool,
         /// Whether the step is good enough to be taken.
         accepted: bool,
     }
@@ -238,7 +240,9 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         step: &CurvedMove<R>,
         found: Found,
     ) -> Landing {
-        if let Some(geometry) = geometry {
+        if let Some(geometry) = geometry
+            && !step.is_close
+        {
             return self.polish(geometry, flight, step, found);
         }
         let Found { point: position, primitive } = found;
@@ -366,7 +370,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         polishing.clear();
         for (lane, found) in found.iter().enumerate() {
             let Some(found) = *found else { continue };
-            if exactly[lane] {
+            if exactly[lane] && !moves.get(lane).is_close {
                 polishing.push(lane, found);
             } else {
                 let landing = self.landing(None, &flights.get(lane), &moves.get(lane), found);
