@@ -78,63 +78,73 @@ fn halves<const N: usize>(mut c: [f64; N]) -> ([f64; N], [f64; N]) {
     (left, right)
 }
 
-/// Values of polynomials at `s`, by de Casteljau's algorithm, in the form that is exact at both ends.
+/// Values of polynomials of degree 2 or more at `s`, their first and their second derivatives, by de Casteljau's algorithm,
+/// in the form that is exact at both ends.
 #[inline(always)]
-fn values<const N: usize, const L: usize>(c: &[[f64; L]; N], s: &[f64; L]) -> [f64; L] {
+fn values<const N: usize, const L: usize>(c: &[[f64; L]; N], s: &[f64; L]) -> [[f64; L]; 3] {
     let mut c = *c;
-    for level in 1..N {
+    for level in 1..N - 2 {
         for i in 0..N - level {
             for l in 0..L {
                 c[i][l] = (1.0 - s[l]) * c[i][l] + s[l] * c[i + 1][l];
             }
         }
     }
-    c[0]
+    let degree = (N - 1) as f64;
+    let mut out = [[0.0; L]; 3];
+    for l in 0..L {
+        let (s, t) = (s[l], 1.0 - s[l]);
+        let [a, b, c] = [c[0][l], c[1][l], c[2][l]];
+        let (start, end) = (t * a + s * b, t * b + s * c);
+        out[0][l] = t * start + s * end;
+        out[1][l] = degree * (end - start);
+        out[2][l] = degree * (degree - 1.0) * ((c - b) - (b - a));
+    }
+    out
 }
 
 /// Interval in which a root is known well enough.
-const NARROW: f64 = 4e-16;
+const NARROW: f64 = 4e-15;
 
-/// The roots of polynomials with exactly one sign variation each, side by side: regula falsi with Illinois' correction,
-/// safeguarded by bisection. Lanes do not depend on each other.
+/// The roots of polynomials with exactly one sign variation each, side by side: Halley's method within a bracket, which
+/// the last step closes from the other side. Lanes do not depend on each other.
 #[inline(always)]
 pub fn bracketed_roots<const N: usize, const L: usize>(c: &[[f64; L]; N]) -> [f64; L] {
-    let (mut a, mut b) = ([0.0; L], [1.0; L]);
-    let (mut fa, mut fb) = (c[0], c[N - 1]);
-    // Beside the smaller end: an end that is zero but for rounding is not to be taken for the root.
-    let enough: [f64; L] = std::array::from_fn(|l| 1e-15 * fa[l].abs().min(fb[l].abs()));
-    // Which end moved last: 1 the right one, -1 the left one.
-    let mut side = [0.0; L];
+    let (mut a, mut b, mut s) = ([0.0; L], [1.0; L], [0.0; L]);
+    let mut enough = [0.0; L];
+    for l in 0..L {
+        let (start, end) = (c[0][l], c[N - 1][l]);
+        // An end that is zero, but for rounding, is not to be taken for the root.
+        let secant = start / (start - end);
+        s[l] = if (secant > 0.0) & (secant < 1.0) { secant } else { 0.5 };
+        enough[l] = 1e-15 * start.abs().min(end.abs());
+    }
     for iteration in 0..100 {
-        let mut s = [0.0; L];
-        for l in 0..L {
-            let secant = (a[l] * fb[l] - b[l] * fa[l]) / (fb[l] - fa[l]);
-            let inside = (secant > a[l]) & (secant < b[l]) & (iteration % 8 != 7);
-            s[l] = if inside { secant } else { 0.5 * (a[l] + b[l]) };
-        }
-        let f = values(c, &s);
+        let [f, d, dd] = values(c, &s);
         let mut width = [0.0; L];
         for l in 0..L {
-            let (at, left, right) = (s[l], a[l], b[l]);
-            let (value, value_a, value_b, moved) = (f[l], fa[l], fb[l], side[l]);
-            let found = (value.abs() <= enough[l]) | (right - left <= NARROW);
-            let is_right = positive(value) == positive(value_b);
-            let kept_a = value_a * if moved > 0.0 { 0.5 } else { 1.0 };
-            let kept_b = value_b * if moved < 0.0 { 0.5 } else { 1.0 };
-            // A root that is found closes its interval, which stays closed.
-            let (new_a, new_b) = (if is_right { left } else { at }, if is_right { at } else { right });
-            let (new_a, new_b) = (if found { at } else { new_a }, if found { at } else { new_b });
-            fa[l] = if is_right { kept_a } else { value };
-            fb[l] = if is_right { value } else { kept_b };
-            (a[l], b[l]) = (new_a, new_b);
-            side[l] = if is_right { 1.0 } else { -1.0 };
-            width[l] = new_b - new_a;
+            let (at, value, slope, bend) = (s[l], f[l], d[l], dd[l]);
+            let is_right = positive(value) == positive(c[N - 1][l]);
+            let (left, right) = (if is_right { a[l] } else { at }, if is_right { at } else { b[l] });
+            let twice = value + value;
+            let step = twice * slope / ((slope + slope) * slope - value * bend);
+            // Into the bracket, and beyond the root rather than just up to it.
+            let inwards = if is_right { step } else { -step };
+            let shift = if inwards.abs() < NARROW { 0.5 * NARROW } else { inwards };
+            let next = if is_right { at - shift } else { at + shift };
+            let inside = (next > left) & (next < right) & (iteration % 8 != 7);
+            let next = if inside { next } else { 0.5 * (left + right) };
+            // A root that is found stays where it is.
+            let (left, right) = if value.abs() <= enough[l] { (at, at) } else { (left, right) };
+            let found = right - left <= NARROW;
+            (a[l], b[l], width[l]) = (left, right, if found { 0.0 } else { 1.0 });
+            s[l] = if found { 0.5 * (left + right) } else { next };
         }
         if width == [0.0; L] {
             break;
         }
     }
-    std::array::from_fn(|l| 0.5 * (a[l] + b[l]))
+    s
 }
 
 #[cfg(test)]
