@@ -34,11 +34,57 @@ struct Pending {
     along: [f64; 5],
 }
 
+/// Spheres that are screened before any crossing is looked for, at most: a bit for each and each lane.
+const MOST: usize = u128::BITS as usize / LANES;
+
+/// Where the segments of a block may cross spheres. What is found is looked at when all spheres have been screened:
+/// a branch for each would be as good as random.
+#[derive(Default)]
+pub struct Screened {
+    count: usize,
+    slots: [u32; MOST],
+    /// What changes its sign where a segment crosses, as Bernstein coefficients by lane.
+    along: [[[f64; LANES]; 5]; MOST],
+    /// By sphere and lane, whether the coefficients differ in sign.
+    may: u128,
+}
+
+impl Screened {
+    #[inline(always)]
+    fn clear(&mut self) {
+        (self.count, self.may) = (0, 0);
+    }
+
+    /// Adds the sphere in a slot; `may` has a byte a lane, 0 or 1.
+    #[inline(always)]
+    fn push(&mut self, slot: u32, along: [[f64; LANES]; 5], may: [u8; LANES]) {
+        let at = self.count % MOST;
+        // The product gathers the bytes' lowest bits in its highest byte.
+        let bits = u64::from_le_bytes(may).wrapping_mul(0x0102_0408_1020_4080) >> (u64::BITS - u8::BITS);
+        (self.slots[at], self.along[at]) = (slot, along);
+        self.may |= u128::from(bits) << (at * LANES);
+        self.count += 1;
+    }
+
+    /// Takes the next slot, lane and coefficients.
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(u32, usize, [f64; 5])> {
+        if self.may == 0 {
+            return None;
+        }
+        let bit = self.may.trailing_zeros() as usize % (MOST * LANES);
+        self.may &= self.may - 1;
+        let (at, lane) = (bit / LANES, bit % LANES);
+        Some((self.slots[at], lane, std::array::from_fn(|k| self.along[at][k][lane])))
+    }
+}
+
 /// What segments meet first. Its memory is used again from round to round.
 #[derive(Default)]
 pub struct Few {
     best: Vec<Crossings>,
     pending: Vec<Pending>,
+    screened: Screened,
 }
 
 impl Few {
@@ -67,14 +113,14 @@ pub trait SideBySide: Segment + Row {
     /// The segment, prepared.
     fn prepared(&self) -> Self::Prepared;
 
-    /// Crossings of `sphere`, by lane: `found` at once, or `pending` a search for a root. `own` has the slot that the
+    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. `own` has the slot that the
     /// segment of each lane starts on, and that of the sphere.
     fn cross_spheres(
         segments: &<Self::Prepared as Row>::Block,
         sphere: Sphere,
-        own: (&[u64; LANES], u64),
-        found: impl FnMut(usize, f64),
-        pending: impl FnMut(usize, [f64; 5]),
+        own: (&[u64; LANES], u32),
+        s: &mut [f64; LANES],
+        screened: &mut Screened,
     );
 }
 
@@ -91,15 +137,13 @@ impl SideBySide for Line {
     fn cross_spheres(
         lines: &<Line as Row>::Block,
         sphere: Sphere,
-        (own, slot): (&[u64; LANES], u64),
-        mut found: impl FnMut(usize, f64),
-        _: impl FnMut(usize, [f64; 5]),
+        (own, slot): (&[u64; LANES], u32),
+        s: &mut [f64; LANES],
+        _: &mut Screened,
     ) {
-        let mut s = [0.0; LANES];
         for lane in 0..LANES {
-            s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == slot);
+            s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
         }
-        (0..LANES).for_each(|lane| found(lane, s[lane]));
     }
 }
 
@@ -116,38 +160,29 @@ impl SideBySide for Arc {
     fn cross_spheres(
         arcs: &<FromStart as Row>::Block,
         sphere: Sphere,
-        (own, slot): (&[u64; LANES], u64),
-        mut found: impl FnMut(usize, f64),
-        mut pending: impl FnMut(usize, [f64; 5]),
+        (own, slot): (&[u64; LANES], u32),
+        _: &mut [f64; LANES],
+        screened: &mut Screened,
     ) {
+        let number = u64::from(slot);
         // Most blocks have no segment that starts on the sphere.
-        let (along, may) = match own.contains(&slot) {
-            true => screen(arcs, &sphere, |lane| own[lane] == slot),
+        let (along, may) = match own.contains(&number) {
+            true => screen(arcs, &sphere, |lane| own[lane] == number),
             false => screen(arcs, &sphere, |_| false),
         };
-        let mut left = may;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let c = std::array::from_fn(|k| along[k][lane]);
-            if variations(&c) == 1 {
-                pending(lane, c);
-            } else if let Some(s) = first_sign_change(c) {
-                found(lane, s);
-            }
-        }
+        screened.push(slot, along, may);
     }
 }
 
-/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and a mask of the lanes
-/// where they have not all the same sign.
+/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and whether they have not
+/// all the same sign, 1 or 0.
 #[inline(always)]
 fn screen(
     arcs: &<FromStart as Row>::Block,
     sphere: &Sphere,
     leaves: impl Fn(usize) -> bool,
-) -> ([[f64; LANES]; 5], u64) {
-    let (mut along, mut may) = ([[0.0; LANES]; 5], 0);
+) -> ([[f64; LANES]; 5], [u8; LANES]) {
+    let (mut along, mut may) = ([[0.0; LANES]; 5], [0; LANES]);
     let (center, radius2) = (sphere.center, sphere.radius * sphere.radius);
     for lane in 0..LANES {
         let c = FromStart::get(arcs, lane).along(center, radius2, leaves(lane));
@@ -157,7 +192,7 @@ fn screen(
             least = if c < least { c } else { least };
             most = if c > most { c } else { most };
         }
-        may |= u64::from((least < 0.0) & (most >= 0.0)) << lane;
+        may[lane] = u8::from((least < 0.0) & (most >= 0.0));
     }
     (along, may)
 }
@@ -187,13 +222,20 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Searching { geometry, queries, few: Few { best, pending } } = self;
+        let Searching { geometry, queries, few: Few { best, pending, screened } } = self;
         best.clear();
         pending.clear();
         for (number, queries) in queries.iter().enumerate() {
-            best.push(first_crossings::<S>(geometry, queries, |lane, slot, along| {
-                pending.push(Pending { lane: (number * LANES + lane) as u32, slot, along });
-            }));
+            screened.clear();
+            let mut first = first_crossings::<S>(geometry, queries, screened);
+            while let Some((slot, lane, along)) = screened.pop() {
+                if variations(&along) == 1 {
+                    pending.push(Pending { lane: (number * LANES + lane) as u32, slot, along });
+                } else if let Some(s) = first_sign_change(along) {
+                    first.consider(geometry, lane, slot, s);
+                }
+            }
+            best.push(first);
         }
         for some in pending.chunks(LANES) {
             let mut along = [[0.0; LANES]; 5];
@@ -210,12 +252,12 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
     }
 }
 
-/// First crossings of the segments of a block, as far as they are found at once; the others go to `pend`.
+/// First crossings of the segments of a block, as far as they are found at once; the others are `screened`.
 #[inline(always)]
 fn first_crossings<S: SideBySide>(
     geometry: &Geometry,
     queries: &QueryBlock<S::Block>,
-    mut pend: impl FnMut(usize, u32, [f64; 5]),
+    screened: &mut Screened,
 ) -> Crossings {
     let (mut segments, mut prepared) = (S::Block::default(), <S::Prepared as Row>::Block::default());
     for lane in 0..LANES {
@@ -236,9 +278,7 @@ fn first_crossings<S: SideBySide>(
         match item {
             Item::Sphere(i) => {
                 let sphere = geometry.spheres[i as usize].0;
-                let found = |lane: usize, at: f64| s[lane] = at;
-                let pending = |lane, along| pend(lane, slot, along);
-                S::cross_spheres(&prepared, sphere, (&own, number), found, pending);
+                S::cross_spheres(&prepared, sphere, (&own, slot), &mut s, screened);
             }
             Item::Disk(i) => {
                 let disk = geometry.disks[i as usize].0;
