@@ -4,6 +4,7 @@ mod launch;
 pub mod march;
 mod onward;
 mod polish;
+mod touch;
 
 use glam::DVec3;
 
@@ -18,6 +19,7 @@ use launch::{Launching, Place};
 use march::{March, keeps_outside};
 use onward::{Onward, Turn};
 use polish::Polishing;
+use touch::Touches;
 
 /// A number that columns can hold.
 pub trait Lane: Real + Field<Block<LANES>: Send> {}
@@ -240,15 +242,10 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         step: &CurvedMove<R>,
         found: Found,
     ) -> Landing {
-        if let Some(geometry) = geometry
-            && !step.is_close
-        {
-            return self.polish(geometry, flight, step, found);
+        match geometry {
+            Some(geometry) if !step.is_close => self.polish(geometry, flight, step, found),
+            _ => self.touch(flight, step, found),
         }
-        let Found { point: position, primitive } = found;
-        let arc = self.arc(flight, step);
-        let direction = arc.velocity(arc.parameter_beside(position)).normalize();
-        Landing { position, direction, primitive }
     }
 
     /// Whether an arc is to be searched in halves, after it has been halved so often.
@@ -284,6 +281,7 @@ pub struct Scratch<R: Lane> {
     starts: Columns<Place>,
     launched: Columns<CurvedFlight<R>>,
     polishing: Polishing<R>,
+    touches: Touches,
 }
 
 impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
@@ -365,18 +363,19 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let polishing = &mut scratch.polishing;
+        let Scratch { polishing, touches, .. } = scratch;
         let lanes = found.len();
         polishing.clear();
+        touches.clear();
         for (lane, found) in found.iter().enumerate() {
             let Some(found) = *found else { continue };
             if exactly[lane] && !moves.get(lane).is_close {
                 polishing.push(lane, found);
             } else {
-                let landing = self.landing(None, &flights.get(lane), &moves.get(lane), found);
-                end(lane, Outcome::Landed(landing));
+                touches.push(lane, found);
             }
         }
+        self.touch_all(flights, moves, touches, |lane, landing| end(lane, Outcome::Landed(landing)));
         self.polish_all(geometry, flights, moves, polishing, |lane, landing| {
             end(lane, Outcome::Landed(landing));
         });
