@@ -1,8 +1,9 @@
 //! The bounding volume hierarchy: built by obvhs, made eight children wide and walked here.
 //!
 //! The walk differs from obvhs's own in what curved rays need: a segment is searched along its chord as a *thick* ray,
-//! every box widened by that segment's own bow. (Inflating the boxes at build time by the largest sagitta allowed makes straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened
-//! by its own rounding, so that the walk is conservative: what is hit in f64 is never culled.
+//! every box widened by that segment's own bow. (Inflating the boxes at build time by the largest sagitta allowed makes
+//! straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened by its
+//! own rounding, so that the walk is conservative: what is hit in f64 is never culled.
 //!
 //! And in what wide vectors want: a leaf is a block of primitives that are tested side by side, children are visited by
 //! distance, and what lies beyond the nearest hit is dropped when its turn comes. Measured against obvhs's own
