@@ -121,26 +121,27 @@ pub fn bracketed_roots<const N: usize, const L: usize>(c: &[[f64; L]; N]) -> [f6
     }
     for iteration in 0..100 {
         let [f, d, dd] = values(c, &s);
-        let mut width = [0.0; L];
+        let mut open = [0.0; L];
         for l in 0..L {
             let (at, value, slope, bend) = (s[l], f[l], d[l], dd[l]);
             let is_right = positive(value) == positive(c[N - 1][l]);
             let (left, right) = (if is_right { a[l] } else { at }, if is_right { at } else { b[l] });
             let twice = value + value;
             let step = twice * slope / ((slope + slope) * slope - value * bend);
-            // Into the bracket, and beyond the root rather than just up to it.
+            // A step into the bracket that is too small to matter goes beyond the root, and closes the bracket.
             let inwards = if is_right { step } else { -step };
             let shift = if inwards.abs() < NARROW { 0.5 * NARROW } else { inwards };
             let next = if is_right { at - shift } else { at + shift };
             let inside = (next > left) & (next < right) & (iteration % 8 != 7);
             let next = if inside { next } else { 0.5 * (left + right) };
-            // A root that is found stays where it is.
             let (left, right) = if value.abs() <= enough[l] { (at, at) } else { (left, right) };
             let found = right - left <= NARROW;
-            (a[l], b[l], width[l]) = (left, right, if found { 0.0 } else { 1.0 });
-            s[l] = if found { 0.5 * (left + right) } else { next };
+            let middle = 0.5 * (left + right);
+            // The bracket of a root that is found stays closed, however long other lanes take.
+            (a[l], b[l]) = (if found { middle } else { left }, if found { middle } else { right });
+            (s[l], open[l]) = (if found { middle } else { next }, if found { 0.0 } else { 1.0 });
         }
-        if width == [0.0; L] {
+        if open == [0.0; L] {
             break;
         }
     }
@@ -192,10 +193,17 @@ mod tests {
         let all: Vec<[f64; 5]> = (0..8)
             .map(|i| from_roots([0.1 * (1.0 + f64::from(i)), 2.0, 3.0, -1.0 - f64::from(i)], 1.0))
             .collect();
-        let side_by_side =
-            bracketed_roots::<5, 8>(&std::array::from_fn(|k| std::array::from_fn(|l| all[l][k])));
-        for (c, root) in all.iter().zip(side_by_side) {
-            assert_eq!(first_sign_change(*c), Some(root));
+        // Roots that are known by their brackets, beside one that takes long.
+        let uneven = (0..8).map(|i| match i {
+            0 => [-1e-60, -1e-60, -1e-60, -1e-60, 1.0],
+            _ => [-1e-6 * f64::from(i), -1.0, -1.0, -1.0, 1.0],
+        });
+        for all in [all, uneven.collect()] {
+            let side_by_side =
+                bracketed_roots::<5, 8>(&std::array::from_fn(|k| std::array::from_fn(|l| all[l][k])));
+            for (c, root) in all.iter().zip(side_by_side) {
+                assert_eq!(first_sign_change(*c), Some(root), "{c:?}");
+            }
         }
     }
 
