@@ -100,6 +100,7 @@ fn bad_flags_are_refused_with_the_flag_the_value_and_a_remedy() {
         (&["--spp", "many"], &["--spp", "'many'", "whole number"]),
         (&["--spp", "4", "--spp", "5"], &["--spp", "multiple times"]),
         (&["--max-depth", "0"], &["--max-depth", "'0'"]),
+        (&["--max-depth", "65536"], &["--max-depth", "'65536'", "65535"]),
         (&["--tolerance", "-1e-3"], &["--tolerance", "-1e-3", "above 0"]),
         (&["--tolerance", "nan"], &["--tolerance", "nan"]),
         (&["--arc-tolerance", "0"], &["--arc-tolerance", "above 0"]),

@@ -171,6 +171,8 @@ fn values_without_meaning_show_their_line() {
         ("width = 64\nheight = 48", "width = 65536\nheight = 65536", "too large"),
         ("spp = 4", "spp = 0", "spp must be at least 1"),
         ("spp = 4", "spp = 99999999999", "invalid value"),
+        ("spp = 4", "max_depth = 0", "max_depth must be between 1 and 65535"),
+        ("spp = 4", "max_depth = 65536", "max_depth must be between 1 and 65535"),
         ("spp = 4", "tolerance = 0", "tolerance must be between 0 and 1"),
         ("color = [1, 1, 1]", "color = [1, 1, 1]\nkind = \"sky\"", "exclude each other"),
         ("color = [1, 1, 1]", "color = 1\nrotation = 3", "`rotation` is for an `image`"),

@@ -39,7 +39,7 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
     spp: Option<u32>,
     /// Most ray segments in a path, the camera's included
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
     max_depth: Option<u32>,
     #[command(flatten)]
     accuracy: AccuracyArgs,

@@ -69,7 +69,7 @@ pub(super) struct SettingArgs {
     #[arg(long, value_enum, value_name = "NAME")]
     schedule: Option<Schedule>,
     /// Most ray segments in a path, the camera's included
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
     max_depth: Option<u32>,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", value_parser = parse::seed, allow_hyphen_values = true)]

@@ -41,6 +41,7 @@ impl Arc {
     }
 
     /// dB/ds at `s`.
+    #[inline(always)]
     pub fn velocity(&self, s: f64) -> DVec3 {
         let t = 1.0 - s;
         let sum = t * t + 2.0 * s * t * self.w + s * s;
@@ -50,6 +51,7 @@ impl Arc {
     }
 
     /// Parameter of the point that lies as far along the chord as `point`.
+    #[inline(always)]
     pub fn parameter_beside(&self, point: DVec3) -> f64 {
         // Positions along the chord give a quadratic in s, with one root in [0, 1] for an arc that turns less than a
         // right angle.

@@ -36,6 +36,7 @@ struct Pending {
 
 /// Spheres that are screened before any crossing is looked for, at most: a bit for each and each lane.
 const MOST: usize = u128::BITS as usize / LANES;
+const _: () = assert!(<Arc as SideBySide>::FEW <= MOST);
 
 /// Where the segments of a block may cross spheres. What is found is looked at when all spheres have been screened:
 /// a branch for each would be as good as random.
@@ -113,8 +114,8 @@ pub trait SideBySide: Segment + Row {
     /// The segment, prepared.
     fn prepared(&self) -> Self::Prepared;
 
-    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. `own` has the slot that the
-    /// segment of each lane starts on, and that of the sphere.
+    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. With it come the slots that the
+    /// segments start on, and its own.
     fn cross_spheres(
         segments: &<Self::Prepared as Row>::Block,
         sphere: Sphere,

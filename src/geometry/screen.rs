@@ -1,9 +1,9 @@
 //! Which triangles of a block a segment may cross, in f32, lane beside lane: few are left to be tested exactly.
 //!
-//! A segment, which turns by less than half a circle, is its chord, moved by a part of its bow. So where it crosses a triangle some of these lines pass inside the
-//! triangle's edges, and they do not all stay on one side of its plane. Signed volumes tell (Möller and Trumbore 1997,
-//! "Fast, Minimum Storage Ray/Triangle Intersection"): they change in proportion with the part of the bow, and their
-//! rounding widens the triangle by some ulps of the coordinates.
+//! A segment, which turns by less than half a circle, is its chord, moved by a part of its bow. So where it crosses a
+//! triangle some of these lines pass inside the triangle's edges, and they do not all stay on one side of its plane.
+//! Signed volumes tell (Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection"): they change in
+//! proportion with the part of the bow, and their rounding widens the triangle by some ulps of the coordinates.
 
 use glam::Vec3;
 

@@ -25,7 +25,8 @@ pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
 pub use error::{Place, SceneError};
 pub use settings::{
-    Filter, LightSampling, MAX_WINDING, Precision, SamplerKind, Schedule, Settings, StepperKind, flag_name,
+    Filter, LightSampling, MAX_SEGMENTS, MAX_WINDING, Precision, SamplerKind, Schedule, Settings,
+    StepperKind, flag_name,
 };
 
 use error::{Fault, SourceText};

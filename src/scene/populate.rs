@@ -16,7 +16,7 @@ use super::file::{
 };
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, MAX_WINDING, Settings, SpacetimeKind};
+use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind};
 use crate::asset::load_image;
 use crate::geometry::{Disk, Sphere};
 use crate::shade::{Environment, LatLong, Lobe, Material};
@@ -157,7 +157,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
             .as_ref()
             .map_or(Ok(default.exposure), |stops| check::finite(stops, "exposure"))?,
         spp: at_least_one(render.spp.as_ref(), "spp", default.spp)?,
-        max_depth: at_least_one(render.max_depth.as_ref(), "max_depth", default.max_depth)?,
+        max_depth: segments(render.max_depth.as_ref(), default.max_depth)?,
         roulette_depth: render.roulette_depth.unwrap_or(default.roulette_depth),
         seed: render.seed.unwrap_or(default.seed),
         stepper: render.stepper.unwrap_or(default.stepper),
@@ -208,6 +208,17 @@ fn winding(count: Option<&Spanned<u32>>, default: u32) -> Result<u32, Fault> {
             format!("max_winding must be at most {MAX_WINDING}, not {count}"),
             "each half turn more brings 23 times less light; 1 is good for pictures",
         )),
+    }
+}
+
+fn segments(count: Option<&Spanned<u32>>, default: u32) -> Result<u32, Fault> {
+    match count.map(|count| (*count.get_ref(), count.span())) {
+        None => Ok(default),
+        Some((count @ 1..=MAX_SEGMENTS, _)) => Ok(count),
+        Some((count, span)) => {
+            let problem = format!("max_depth must be between 1 and {MAX_SEGMENTS}, not {count}");
+            Err(Fault::at(span, problem, "16 is good for pictures, 64 for much glass"))
+        }
     }
 }
 

@@ -23,7 +23,7 @@ pub struct Key {
     pub pixel: u32,
     /// Sample of that pixel.
     pub sample: u32,
-    /// 0: the camera; n: the n-th vertex.
+    /// Which four numbers of the sample.
     pub set: u32,
 }
 

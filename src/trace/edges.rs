@@ -14,7 +14,8 @@ use crate::scene::{Baked, Settings};
 /// Short paths for each whole one: the mean of well-distributed points across an edge errs as their number to the
 /// power -3/4, so that these leave an eighth.
 const SPLIT: u32 = 16;
-/// Samples of a pixel for each of its probes, so that their cost is in proportion: an image of a lamp too small for any probe to meet is met by few samples.
+/// Samples of a pixel for each of its probes, so that their cost is in proportion: an image of a lamp too small for any
+/// probe to meet is met by few samples.
 const SAMPLES_PER_PROBE: u32 = 4;
 /// Number of the first probe: samples that no picture has.
 const FIRST_PROBE: u32 = 1 << 31;

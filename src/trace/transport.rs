@@ -119,7 +119,7 @@ pub trait Transport: Sync + Sized {
         search: impl FnMut(&Self::Segment, PrimitiveId) -> Option<Found>,
     ) -> Option<Found>;
 
-    /// Blocks of moves as they are to be searched where primitives are few.
+    /// Blocks of moves as they are to be searched.
     fn queries_all(
         &self,
         flights: &[<Self::Flight as Row>::Block],

@@ -234,7 +234,8 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
     }
 
-    /// Where a ray lands that meets what a search found: on the ray itself if a `geometry` is given.
+    /// Where a ray lands that meets what a search found: if a `geometry` is given on the ray itself, unless the arc is as
+    /// good.
     fn landing(
         &self,
         geometry: Option<&Geometry>,

@@ -16,7 +16,8 @@ pub enum Draw {
 }
 
 impl Draw {
-    /// What the numbers for this are keyed with, at a depth below 2¹⁶: 0 for the camera.
+    /// What the numbers for this are keyed with, at a depth of at most [`MAX_SEGMENTS`](crate::scene::MAX_SEGMENTS): 0 for
+    /// the camera.
     #[inline]
     pub fn key(self, path: &Path, depth: u32) -> Key {
         Key { pixel: path.pixel, sample: path.sample, set: ((self as u32) << 16) + depth }
