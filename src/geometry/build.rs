@@ -131,12 +131,14 @@ impl Geometry {
         *extents.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
-    /// Median triangle of a placed mesh.
+    /// A triangle from the middle of a placed mesh, for all of them: asked of every instance, so no walk of the mesh.
     fn placed_extent(&self, placed: &Placed) -> f64 {
         let Some(shared) = &self.shared[placed.mesh as usize] else { return 0.0 };
-        let count = shared.triangles().count();
-        let Some((_, triangle)) = shared.triangles().nth(count / 2) else { return 0.0 };
-        let (min, max) = triangle.bounds();
+        let leaves = shared.bvh.order().len() / LEAF_SIZE;
+        if leaves == 0 {
+            return 0.0;
+        }
+        let (min, max) = shared.triangles.get(leaves / 2 * LEAF_SIZE).bounds();
         min.distance(max) / placed.shrink
     }
 }

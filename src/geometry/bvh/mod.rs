@@ -51,7 +51,7 @@ pub struct Bvh {
 
 /// Slots of a leaf.
 pub const LEAF_SIZE: usize = LANES;
-/// What is in a slot that holds nothing.
+/// What is in a slot that holds nothing, never the first of its leaf.
 pub const EMPTY: u32 = u32::MAX;
 
 /// Up to this many boxes are not worth a walk. Measured on the paper's nine spheres.
@@ -278,6 +278,7 @@ mod tests {
         for count in (0..40).chain([100, 1000]) {
             let bvh = row(count, 1.0);
             assert_eq!(bvh.bounds().is_some(), count > 0);
+            assert!(bvh.order().chunks(LEAF_SIZE).all(|leaf| leaf[0] != EMPTY), "{count} boxes");
             let along =
                 Chord { start: DVec3::new(-5.0, 0.1, 0.2), end: DVec3::new(1e4, 0.1, 0.2), bow: DVec3::ZERO };
             assert_eq!(met(&bvh, &along), (0..count as u32).collect::<Vec<_>>(), "{count} boxes");

@@ -366,15 +366,13 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let Scratch { polishing, touches, .. } = scratch;
         let lanes = found.len();
-        polishing.clear();
-        touches.clear();
+        polishing.hits.clear();
+        touches.hits.clear();
         for (lane, found) in found.iter().enumerate() {
             let Some(found) = *found else { continue };
-            if exactly[lane] && !moves.get(lane).is_close {
-                polishing.push(lane, found);
-            } else {
-                touches.push(lane, found);
-            }
+            let stays = !exactly[lane] || moves.get(lane).is_close;
+            let hits = if stays { &mut touches.hits } else { &mut polishing.hits };
+            hits.push((lane, found));
         }
         self.touch_all(flights, moves, touches, |lane, landing| end(lane, Outcome::Landed(landing)));
         self.polish_all(geometry, flights, moves, polishing, |lane, landing| {

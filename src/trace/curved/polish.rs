@@ -178,25 +178,14 @@ impl<R: Lane> Kernel for Catching<R> {
 /// Landings to be moved onto their rays. Its memory is used again from round to round.
 #[derive(Default)]
 pub struct Polishing<R: Lane> {
-    hits: Vec<(usize, Found)>,
+    /// Lanes and what they meet.
+    pub hits: Vec<(usize, Found)>,
     spans: Columns<Span<R>>,
     chases: Columns<Chase>,
     aims: Columns<Aim>,
     poses: Columns<Pose<R>>,
     caught: Columns<Caught>,
     between: Search<Line>,
-}
-
-impl<R: Lane> Polishing<R> {
-    /// Forgets all landings.
-    pub fn clear(&mut self) {
-        self.hits.clear();
-    }
-
-    /// Adds a landing.
-    pub fn push(&mut self, lane: usize, found: Found) {
-        self.hits.push((lane, found));
-    }
 }
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {

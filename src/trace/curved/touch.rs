@@ -44,22 +44,11 @@ impl Kernel for Touching {
 /// Hits to be taken where they are. Its memory is used again from round to round.
 #[derive(Default)]
 pub struct Touches {
-    hits: Vec<(usize, Found)>,
+    /// Lanes and what they meet.
+    pub hits: Vec<(usize, Found)>,
     arcs: Columns<Arc>,
     points: Columns<Beside>,
     headings: Columns<Heading>,
-}
-
-impl Touches {
-    /// Forgets all hits.
-    pub fn clear(&mut self) {
-        self.hits.clear();
-    }
-
-    /// Adds a hit.
-    pub fn push(&mut self, lane: usize, found: Found) {
-        self.hits.push((lane, found));
-    }
 }
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
