@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use warpfront::scene::{Baked, load, load_with_hole};
+use warpfront::scene::{self, Baked, LoadOptions, SceneError, load};
 
 /// A scene that is fine, to be spoilt.
 const GOOD: &str = r#"[spacetime]
@@ -380,15 +380,19 @@ fn overrides_change_the_scene() {
     assert_eq!(baked.materials[0].albedo(), glam::Vec3::new(0.1, 0.2, 0.3));
 }
 
+fn load_with_hole(path: &Path, hole: [f64; 4]) -> Result<Baked, SceneError> {
+    scene::load_with(path, &LoadOptions { black_hole: Some(hole), ..LoadOptions::default() })
+}
+
 #[test]
 fn unusable_black_holes_are_errors() {
     let files = Files::new();
     let path = files.write("model.obj", TRIANGLE);
     for hole in [[0.0, 0.0, 0.0, -1.0], [f64::NAN, 0.0, 0.0, 1.0]] {
-        let message = failure(load_with_hole(&path, &[], Some(hole)).map_err(|error| error.to_string()));
+        let message = failure(load_with_hole(&path, hole).map_err(|error| error.to_string()));
         assert!(message.contains("X,Y,Z,RS"), "{message}");
     }
-    let huge = load_with_hole(&path, &[], Some([0.0, 0.0, 0.0, 1e3])).map_err(|error| error.to_string());
+    let huge = load_with_hole(&path, [0.0, 0.0, 0.0, 1e3]).map_err(|error| error.to_string());
     assert!(failure(huge).contains("inside the black hole"));
 }
 

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::files::Files;
+
 /// An asset file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
@@ -33,8 +35,8 @@ impl AssetError {
     }
 
     /// Reads a file whole.
-    pub(super) fn read(path: &Path) -> Result<Vec<u8>, Self> {
-        std::fs::read(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })
+    pub(super) fn read(path: &Path, files: &Files) -> Result<Vec<u8>, Self> {
+        files.read(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })
     }
 }
 

@@ -6,6 +6,7 @@ use exr::prelude as exr_file;
 use glam::Vec3;
 
 use super::error::{AssetError, Flaw};
+use super::files::Files;
 use super::notes::Notes;
 
 /// Most pixels in a picture: 32768 × 16384.
@@ -34,9 +35,9 @@ pub struct Picture {
 ///
 /// # Errors
 /// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
-pub fn load(path: &Path) -> Result<Picture, AssetError> {
+pub fn load(path: &Path, files: &Files) -> Result<Picture, AssetError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let bytes = AssetError::read(path)?;
+    let bytes = AssetError::read(path, files)?;
     let decoded = match extension.as_str() {
         "exr" => decode_exr(&bytes),
         "hdr" | "png" | "jpg" | "jpeg" => decode_other(&bytes),
@@ -154,7 +155,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sky.PNG");
         image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([128 * x as u8, 255, 0])).save(&path).unwrap();
-        let picture = load(&path).unwrap();
+        let picture = load(&path, &Files::default()).unwrap();
         assert_eq!((picture.width, picture.height), (2, 1));
         assert!((picture.pixels[1] - Vec3::new(0.2158605, 1.0, 0.0)).length() < 1e-6);
         assert!(picture.warnings.is_empty());
@@ -166,7 +167,7 @@ mod tests {
         let path = folder.path().join("sky.exr");
         let values = [(1.0f32, 2.0f32, 3.0f32), (f32::NAN, -1.0, f32::INFINITY)];
         exr_file::write_rgb_file(&path, 2, 1, |x, _| values[x]).unwrap();
-        let picture = load(&path).unwrap();
+        let picture = load(&path, &Files::default()).unwrap();
         assert_eq!(picture.pixels, [Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, BRIGHTEST_HALF)]);
         assert_eq!(picture.warnings.len(), 1);
         assert!(picture.warnings[0].ends_with("clamped: 1"), "{:?}", picture.warnings);
@@ -178,7 +179,7 @@ mod tests {
         for name in ["a.exr", "a.png", "a.hdr", "a.jpg", "a.tiff"] {
             let path = folder.path().join(name);
             std::fs::write(&path, b"\x76\x2f\x31\x01 not really").unwrap();
-            assert!(load(&path).is_err(), "{name}");
+            assert!(load(&path, &Files::default()).is_err(), "{name}");
         }
     }
 }

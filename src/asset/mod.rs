@@ -1,6 +1,7 @@
 //! Files of geometry and images, read into plain tables; every loader says what it does not understand.
 
 mod error;
+mod files;
 mod gltf;
 mod image;
 mod model;
@@ -10,6 +11,7 @@ mod obj;
 mod tidy;
 
 pub use error::{AssetError, Flaw};
+pub use files::Files;
 pub use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
 pub use model::{Lens, Model, Node, Part};

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::files::Files;
 use super::notes::Notes;
 use crate::shade::{Lobe, Material};
 
@@ -14,9 +15,9 @@ const GLASS_OPACITY: f32 = 0.5;
 const GLASS_IOR: f32 = 1.5;
 
 /// Reads a material library; one that cannot be read is a warning, and its materials become the default.
-pub(super) fn load(path: &Path, notes: &mut Notes) -> tobj::MTLLoadResult {
+pub(super) fn load(path: &Path, files: &Files, notes: &mut Notes) -> tobj::MTLLoadResult {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = files.read(path).map_err(|error| {
         notes.add("material library not read, the default material is used", format!("{name} ({error})"));
         tobj::LoadError::OpenFileFailed
     })?;

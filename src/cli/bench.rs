@@ -26,7 +26,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     });
     let outputs = outputs.transpose()?;
     let (path, changes) = (&args.scene.path, &args.scene.changes);
-    let mut scene = scene::load_with_hole(path, &changes.overrides, changes.black_hole)?;
+    let mut scene = scene::load_with(path, &changes.options())?;
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));
     }

@@ -18,11 +18,7 @@ use crate::study::{Fan, FanError, FanOptions};
 pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
     let output = Output::create(&args.output)?;
-    let mut scene = scene::load_with_hole(
-        &args.scene.path,
-        &args.scene.changes.overrides,
-        args.scene.changes.black_hole,
-    )?;
+    let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
     args.accuracy.apply(&mut scene.settings);
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));

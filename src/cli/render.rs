@@ -12,11 +12,7 @@ use crate::{scene, trace};
 pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install();
     let outputs = Outputs::open(&args.output)?;
-    let mut scene = scene::load_with_hole(
-        &args.scene.path,
-        &args.scene.changes.overrides,
-        args.scene.changes.black_hole,
-    )?;
+    let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     memory::check(&scene.settings, &run)?;

@@ -11,7 +11,9 @@ use super::parse;
 use super::quality::Quality;
 use crate::film::Aov;
 use crate::light::Heuristic;
-use crate::scene::{Filter, LightSampling, Precision, SamplerKind, Schedule, Settings, StepperKind};
+use crate::scene::{
+    Filter, LightSampling, LoadOptions, Precision, SamplerKind, Schedule, Settings, StepperKind,
+};
 use crate::trace::Run;
 
 /// Which scene, and what is changed in it.
@@ -29,10 +31,21 @@ pub(super) struct SceneArgs {
 pub(super) struct ChangeArgs {
     /// Set a value of the scene file; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
-    pub(super) overrides: Vec<String>,
+    overrides: Vec<String>,
     /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units
     #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
-    pub(super) black_hole: Option<[f64; 4]>,
+    black_hole: Option<[f64; 4]>,
+}
+
+impl ChangeArgs {
+    /// What is asked of the scene.
+    pub(super) fn options(&self) -> LoadOptions {
+        LoadOptions {
+            overrides: self.overrides.clone(),
+            black_hole: self.black_hole,
+            ..LoadOptions::default()
+        }
+    }
 }
 
 /// Which files are written.

@@ -77,7 +77,7 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 
 /// The scene in the size of the study; says what is wrong with it.
 fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
-    let mut scene = scene::load_with_hole(path, &args.changes.overrides, args.changes.black_hole)?;
+    let mut scene = scene::load_with(path, &args.changes.options())?;
     for warning in &scene.warnings {
         say(format!("warning: {warning}"));
     }

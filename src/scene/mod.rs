@@ -29,35 +29,41 @@ pub use settings::{
     StepperKind, flag_name,
 };
 
+use crate::asset::Files;
 use error::{Fault, SourceText};
+use populate::Source;
 use world::World;
 
-/// Loads a scene: a `.toml` file, or a `.gltf`, `.glb` or `.obj` file by itself.
+/// What is asked of a scene beside its file.
+#[derive(Debug, Default)]
+pub struct LoadOptions {
+    /// Overrides `path.to.key=value`, as after `--set`; array entries go by index or by name.
+    pub overrides: Vec<String>,
+    /// A black hole instead of the scene's spacetime: X, Y, Z of its center and its Schwarzschild radius, in scene units.
+    pub black_hole: Option<[f64; 4]>,
+    /// Reads the scene's files.
+    pub files: Files,
+}
+
+/// Loads a scene as its file has it, but for the overrides; see [`load_with`].
 ///
-/// Each override is `path.to.key=value`, as after `--set`; array entries go by index or by name.
+/// # Errors
+/// As [`load_with`].
+pub fn load(path: &Path, overrides: &[String]) -> Result<Baked, SceneError> {
+    load_with(path, &LoadOptions { overrides: overrides.to_vec(), ..LoadOptions::default() })
+}
+
+/// Loads a scene: a `.toml` file, or a `.gltf`, `.glb` or `.obj` file by itself.
 ///
 /// A bare model gets the camera of the file, or one that frames it, and a sky if nothing in it emits light.
 ///
 /// # Errors
-/// Anything that is wrong with the file, with what it names, or with an override; see [`SceneError`].
-pub fn load(path: &Path, overrides: &[String]) -> Result<Baked, SceneError> {
-    load_with_hole(path, overrides, None)
-}
-
-/// Like [`load`], with the spacetime replaced by a black hole: X, Y, Z of its center and its Schwarzschild radius, in
-/// scene units.
-///
-/// # Errors
-/// As [`load`], and if the numbers are not finite or the radius is negative.
-pub fn load_with_hole(
-    path: &Path,
-    overrides: &[String],
-    black_hole: Option<[f64; 4]>,
-) -> Result<Baked, SceneError> {
+/// Anything that is wrong with the file, with what it names, or with an option; see [`SceneError`].
+pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let (on_disk, text) = match extension.as_str() {
         "toml" => {
-            let read = std::fs::read(path);
+            let read = options.files.read(path);
             let bytes = read.map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
             let text = String::from_utf8_lossy(&bytes).into_owned();
             (Some(text.clone()), text)
@@ -68,9 +74,9 @@ pub fn load_with_hole(
             return Err(SceneError::UnknownType { path: path.to_owned() });
         }
     };
-    let text = edited(path, text, overrides)?;
+    let text = edited(path, text, &options.overrides)?;
     let source = SourceText { path, text: &text, on_disk: on_disk.as_deref() };
-    build(&source, black_hole).map_err(|fault| source.locate(fault))
+    build(&source, options).map_err(|fault| source.locate(fault))
 }
 
 /// The scene file that a model by itself stands for.
@@ -92,12 +98,12 @@ fn edited(path: &Path, text: String, overrides: &[String]) -> Result<String, Sce
     Ok(document.to_string())
 }
 
-fn build(source: &SourceText, black_hole: Option<[f64; 4]>) -> Result<Baked, Fault> {
+fn build(source: &SourceText, options: &LoadOptions) -> Result<Baked, Fault> {
     let file = file::parse(source.text)?;
     let sky_if_dark = source.on_disk.is_none() && file.environment.is_none();
     let folder = source.path.parent().unwrap_or(Path::new(""));
-    let mut world = populate::populate(file, folder)?;
-    if let Some(hole) = black_hole {
+    let mut world = populate::populate(file, &Source { folder, files: &options.files })?;
+    if let Some(hole) = options.black_hole {
         replace_spacetime(&mut world, hole)?;
     }
     if sky_if_dark && !world.emits() {

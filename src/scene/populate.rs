@@ -17,7 +17,7 @@ use super::file::{
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
 use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind};
-use crate::asset::load_image;
+use crate::asset::{Files, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::shade::{Environment, LatLong, Lobe, Material};
 
@@ -33,13 +33,21 @@ const DEFAULT_IOR: f64 = 1.5;
 /// the power of lights, but not the emission of materials.
 const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
 
-/// Builds the world of a scene file; paths in it are relative to `folder`.
-pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
+/// Where the files that a scene file names are read from.
+pub(super) struct Source<'a> {
+    /// The folder that paths are relative to.
+    pub folder: &'a Path,
+    /// Reads them.
+    pub files: &'a Files,
+}
+
+/// Builds the world of a scene file; its files are read from `source`.
+pub(super) fn populate(file: SceneFile, source: &Source) -> Result<World, Fault> {
     let mut warnings = Vec::new();
     let spacetime =
         file.spacetime.as_ref().map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
     let environment = match &file.environment {
-        Some(table) => environment(table, folder, &mut warnings)?,
+        Some(table) => environment(table, source, &mut warnings)?,
         None => Environment::Black,
     };
     let mut world = World::new(spacetime, environment, settings(&file.film, &file.render)?);
@@ -61,7 +69,7 @@ pub(super) fn populate(file: SceneFile, folder: &Path) -> Result<World, Fault> {
     }
     for (index, mut table) in file.entity.into_iter().enumerate() {
         name_shape(table.get_mut(), index);
-        spawn(&mut world, table, &names, folder)?;
+        spawn(&mut world, table, &names, source)?;
     }
     Ok(world)
 }
@@ -98,7 +106,7 @@ pub(super) fn black_hole(center: DVec3, schwarzschild_radius: f64) -> SpacetimeK
 
 fn environment(
     table: &Spanned<EnvironmentTable>,
-    folder: &Path,
+    source: &Source,
     warnings: &mut Vec<String>,
 ) -> Result<Environment, Fault> {
     let (span, table) = (table.span(), table.get_ref());
@@ -120,7 +128,7 @@ fn environment(
     if let Some(image) = &table.image {
         let degrees = table.rotation.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
         let error_at = |error| Fault::Asset { span: image.span(), error };
-        let picture = load_image(&folder.join(image.get_ref())).map_err(error_at)?;
+        let picture = load_image(&source.folder.join(image.get_ref()), source.files).map_err(error_at)?;
         warnings.extend(picture.warnings);
         return Ok(Environment::Image(LatLong {
             width: picture.width,
@@ -290,7 +298,7 @@ fn spawn(
     world: &mut World,
     table: Spanned<EntityTable>,
     materials: &HashMap<String, MaterialHandle>,
-    folder: &Path,
+    source: &Source,
 ) -> Result<(), Fault> {
     let span = table.span();
     let table = table.into_inner();
@@ -304,7 +312,8 @@ fn spawn(
         if let Some(path) = path {
             check_format(path, format)?;
             let error_at = |error| Fault::Asset { span: path.span(), error };
-            world.spawn_model(&folder.join(path.get_ref()), format, entity, look).map_err(error_at)?;
+            let path = source.folder.join(path.get_ref());
+            world.spawn_model(&path, format, entity, look, source.files).map_err(error_at)?;
         }
     }
     // The entity was spawned above, so inserting cannot fail.

@@ -32,7 +32,11 @@ impl Files {
             "obj" => bare_scene(&path, "mesh"),
             _ => bare_scene(&path, "gltf"),
         };
-        let mut world = populate::populate(file::parse(&text).unwrap(), self.folder.path()).unwrap();
+        let mut world = populate::populate(
+            file::parse(&text).unwrap(),
+            &Source { folder: self.folder.path(), files: &Default::default() },
+        )
+        .unwrap();
         let (primitives, shaped) = bake::flatten(&mut world).unwrap();
         let names = shaped.iter().map(|entity| world.name(*entity)).collect();
         (primitives, names)
@@ -275,9 +279,15 @@ fn spheres_follow_a_uniform_scale() {
 #[test]
 fn a_bare_model_gets_a_camera_and_a_sky_and_may_get_a_hole() {
     let files = Files::new(&[("a b.OBJ", TRIANGLE)]);
-    let baked =
-        load_with_hole(&files.path("a b.OBJ"), &["film.width=320".to_owned()], Some([0.0, 0.0, -1.0, 0.1]))
-            .unwrap();
+    let baked = load_with(
+        &files.path("a b.OBJ"),
+        &LoadOptions {
+            overrides: vec!["film.width=320".to_owned()],
+            black_hole: Some([0.0, 0.0, -1.0, 0.1]),
+            ..LoadOptions::default()
+        },
+    )
+    .unwrap();
     assert!(matches!(baked.environment, Environment::Gradient { .. }));
     assert_eq!(baked.settings.width, 320);
     assert!(baked.camera.position.y > 0.5 && baked.camera.forward.y < 0.0);

@@ -12,7 +12,7 @@ use super::components::{
 };
 use super::error::Fault;
 use super::{Settings, SpacetimeKind};
-use crate::asset::{AssetError, Model, Node, load_gltf, load_obj};
+use crate::asset::{AssetError, Files, Model, Node, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material};
 
@@ -106,10 +106,11 @@ impl World {
         format: ModelFormat,
         parent: Entity,
         look: Look,
+        files: &Files,
     ) -> Result<(), AssetError> {
         let loaded = match self.models.remove(path) {
             Some(loaded) => loaded,
-            None => self.read_model(path, format)?,
+            None => self.read_model(path, format, files)?,
         };
         let prefix = self.entities.get::<&Name>(parent).map(|name| name.0.clone()).unwrap_or_default();
         let mut changed = HashMap::new();
@@ -168,10 +169,15 @@ impl World {
         }
     }
 
-    fn read_model(&mut self, path: &Path, format: ModelFormat) -> Result<LoadedModel, AssetError> {
+    fn read_model(
+        &mut self,
+        path: &Path,
+        format: ModelFormat,
+        files: &Files,
+    ) -> Result<LoadedModel, AssetError> {
         let Model { mut meshes, mut materials, nodes, mut warnings } = match format {
-            ModelFormat::Obj => load_obj(path)?,
-            ModelFormat::Gltf => load_gltf(path)?,
+            ModelFormat::Obj => load_obj(path, files)?,
+            ModelFormat::Gltf => load_gltf(path, files)?,
         };
         let loaded = LoadedModel {
             nodes,

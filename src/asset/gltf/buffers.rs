@@ -4,23 +4,25 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::asset::error::Flaw;
+use crate::asset::files::Files;
 
 /// The contents of all buffers, and where files beside the glTF file are.
 pub(super) struct Buffers<'a> {
     gltf: &'a gltf::Gltf,
     folder: &'a Path,
+    files: &'a Files,
     buffers: Vec<Cow<'a, [u8]>>,
 }
 
 impl<'a> Buffers<'a> {
     /// Reads all buffers; relative URIs are relative to `folder`.
-    pub fn read(gltf: &'a gltf::Gltf, folder: &'a Path) -> Result<Self, Flaw> {
+    pub fn read(gltf: &'a gltf::Gltf, folder: &'a Path, files: &'a Files) -> Result<Self, Flaw> {
         let read = |buffer: gltf::Buffer| {
             let bytes = match buffer.source() {
                 gltf::buffer::Source::Bin => gltf.blob.as_deref().map(Cow::Borrowed).ok_or_else(|| {
                     Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
                 }),
-                gltf::buffer::Source::Uri(uri) => read_uri(uri, folder).map(Cow::Owned),
+                gltf::buffer::Source::Uri(uri) => read_uri(uri, folder, files).map(Cow::Owned),
             }
             .map_err(|flaw| flaw.at(format!("buffer {}", buffer.index())))?;
             if bytes.len() >= buffer.length() {
@@ -31,7 +33,7 @@ impl<'a> Buffers<'a> {
                 "the file is cut off; copy or export it again",
             ))
         };
-        Ok(Self { gltf, folder, buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
+        Ok(Self { gltf, folder, files, buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
     }
 
     /// The bytes of a buffer view.
@@ -55,14 +57,14 @@ impl<'a> Buffers<'a> {
         let uri = json.and_then(|json| json.uri.as_deref());
         match (view, uri) {
             (Some(view), _) => self.view(&view).map(Cow::Borrowed),
-            (None, Some(uri)) => read_uri(uri, self.folder).map(Cow::Owned),
+            (None, Some(uri)) => read_uri(uri, self.folder, self.files).map(Cow::Owned),
             (None, None) => Err(Flaw::new("the image has no data", "export the file again")),
         }
     }
 }
 
 /// Reads a data URI or a file.
-fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Flaw> {
+fn read_uri(uri: &str, folder: &Path, files: &Files) -> Result<Vec<u8>, Flaw> {
     if let Some(data) = uri.strip_prefix("data:") {
         let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
         return encoded.and_then(decode_base64).ok_or_else(|| {
@@ -70,7 +72,7 @@ fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Flaw> {
         });
     }
     let path = folder.join(decode_percent(uri));
-    std::fs::read(&path).map_err(|error| {
+    files.read(&path).map_err(|error| {
         Flaw::new(format!("{} cannot be read: {error}", path.display()), "put the file beside the .gltf file")
     })
 }

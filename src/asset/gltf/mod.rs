@@ -13,6 +13,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::error::{AssetError, Flaw};
+use super::files::Files;
 use super::model::{Lens, Model, Node, Part};
 use super::notes::Notes;
 use buffers::Buffers;
@@ -26,12 +27,13 @@ use buffers::Buffers;
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
 /// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
 /// an intensity or cone angles that make no sense.
-pub fn load(path: &Path) -> Result<Model, AssetError> {
+pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
     // The bytes are gone before the meshes are there.
-    let gltf = validate::parse(&AssetError::read(path)?).map_err(|flaw| AssetError::content(path, flaw))?;
+    let gltf =
+        validate::parse(&AssetError::read(path, files)?).map_err(|flaw| AssetError::content(path, flaw))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = Import::default();
-    import.document(&gltf, folder).map_err(|flaw| AssetError::content(path, flaw))?;
+    import.document(&gltf, folder, files).map_err(|flaw| AssetError::content(path, flaw))?;
     import.model.warnings = import.notes.into_lines(&path.display().to_string());
     Ok(import.model)
 }
@@ -50,8 +52,8 @@ struct Import {
 }
 
 impl Import {
-    fn document(&mut self, gltf: &gltf::Gltf, folder: &Path) -> Result<(), Flaw> {
-        let buffers = Buffers::read(gltf, folder)?;
+    fn document(&mut self, gltf: &gltf::Gltf, folder: &Path, files: &Files) -> Result<(), Flaw> {
+        let buffers = Buffers::read(gltf, folder, files)?;
         let notes = &mut self.notes;
         let materials = gltf.materials().map(|material| material::convert(&material, &buffers, notes));
         self.model.materials = materials.collect();

@@ -53,7 +53,7 @@ impl Files {
     fn load(&self, text: &[u8]) -> Result<Model, AssetError> {
         let path: PathBuf = self.folder.path().join("a.gltf");
         std::fs::write(&path, text).unwrap();
-        load(&path)
+        load(&path, &crate::asset::Files::default())
     }
 }
 

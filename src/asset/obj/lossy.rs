@@ -7,6 +7,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use crate::asset::error::AssetError;
+use crate::asset::files::Files;
 
 /// Bytes read from disk at once.
 const CHUNK: usize = 1 << 18;
@@ -23,8 +24,8 @@ pub(super) struct Lossy<R> {
 
 impl Lossy<BufReader<File>> {
     /// Opens a file.
-    pub fn open(path: &Path) -> Result<Self, AssetError> {
-        let file = File::open(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })?;
+    pub fn open(path: &Path, files: &Files) -> Result<Self, AssetError> {
+        let file = files.open(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })?;
         Ok(Self::new(BufReader::with_capacity(CHUNK, file)))
     }
 }

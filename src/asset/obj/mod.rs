@@ -10,6 +10,7 @@ use std::path::Path;
 use glam::DAffine3;
 
 use super::error::{AssetError, Flaw};
+use super::files::Files;
 use super::model::{Model, Node, Part};
 use super::mtl;
 use super::notes::Notes;
@@ -25,10 +26,10 @@ use merge::merge;
 ///
 /// # Errors
 /// The file cannot be read, a number is malformed or not finite, an index is out of range, or there is no triangle.
-pub fn load(path: &Path) -> Result<Model, AssetError> {
+pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
     let content = |flaw| AssetError::content(path, flaw);
     let unread = |source| AssetError::Read { path: path.to_owned(), source };
-    let checked = check::check(Lossy::open(path)?).map_err(unread)?.map_err(content)?;
+    let checked = check::check(Lossy::open(path, files)?).map_err(unread)?.map_err(content)?;
     let notes = RefCell::new(Notes::default());
     if checked.edges > 0 {
         let kind = "line elements have no surface and are ignored";
@@ -45,10 +46,11 @@ pub fn load(path: &Path) -> Result<Model, AssetError> {
     };
     let library = |file: &Path| {
         let file = path.parent().unwrap_or(Path::new("")).join(file);
-        mtl::load(&file, &mut notes.borrow_mut())
+        mtl::load(&file, files, &mut notes.borrow_mut())
     };
-    let (models, materials) = tobj::load_obj_buf(&mut Lossy::open(path)?.without("l"), &options, library)
-        .map_err(|error| content(Flaw::new(error.to_string(), "fix the file or export it again")))?;
+    let (models, materials) =
+        tobj::load_obj_buf(&mut Lossy::open(path, files)?.without("l"), &options, library)
+            .map_err(|error| content(Flaw::new(error.to_string(), "fix the file or export it again")))?;
     let mut notes = notes.into_inner();
     let materials = materials.unwrap_or_default();
     let mut model = Model {
@@ -128,7 +130,7 @@ mod tests {
         std::fs::write(folder.path().join("a.mtl"), mtl).unwrap();
         let path = folder.path().join("a.obj");
         std::fs::write(&path, obj).unwrap();
-        load(&path)
+        load(&path, &Files::default())
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
