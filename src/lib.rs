@@ -34,6 +34,7 @@
 //! Dependencies point one way too:
 //! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`.
 #![warn(clippy::all)]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod asset;
 pub mod cli;

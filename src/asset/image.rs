@@ -117,7 +117,7 @@ pub(super) fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
 
 /// IEC 61966-2-1.
 fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 fn clean(picture: &mut Picture, notes: &mut Notes) {

@@ -10,6 +10,7 @@ use super::parse;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
 use super::shared_args::{AccuracyArgs, ChangeArgs, OutputArgs, RunArgs, SceneArgs, SettingArgs, ShareArgs};
+use crate::math::simd::SimdLevel;
 use crate::scene::{LightSampling, Precision, Schedule, Settings, StepperKind};
 use crate::study::free::Accuracy;
 
@@ -19,6 +20,16 @@ use crate::study::free::Accuracy;
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
+    /// Widest vector instructions to use; they change the speed, and no bit of any result
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        value_name = "LEVEL",
+        default_value = "auto",
+        env = "WARPFRONT_SIMD"
+    )]
+    pub(super) simd: SimdLevel,
 }
 
 /// What to do.

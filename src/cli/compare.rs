@@ -70,7 +70,7 @@ fn scale() -> String {
     format!(
         "|A - B|/sqrt(B² + {EPSILON}), root mean square of R, G, B; logarithmic, {} and below black, \
          1 and above pale yellow; green is not finite",
-        10f64.powf(-DECADES)
+        libm::pow(10f64, -DECADES)
     )
 }
 

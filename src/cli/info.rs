@@ -120,7 +120,7 @@ impl<'a> Report<'a> {
             camera: View {
                 position: scene.camera.position.to_array(),
                 forward: scene.camera.forward.to_array(),
-                vertical_fov: 2.0 * scene.camera.tan_half_fov.atan().to_degrees(),
+                vertical_fov: 2.0 * libm::atan(scene.camera.tan_half_fov).to_degrees(),
             },
             settings: &scene.settings,
             memory: Memory::of(scene, run),

@@ -34,6 +34,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::math::simd;
 use args::{Cli, Command};
 use failure::Failure;
 
@@ -58,7 +59,21 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
-    let outcome = match &cli.command {
+    match run(&cli) {
+        Ok(Outcome::Good) => ExitCode::SUCCESS,
+        Ok(Outcome::Lost | Outcome::Differ) => ExitCode::from(1),
+        Err(failure) => {
+            say(failure);
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<Outcome, Failure> {
+    simd::choose(cli.simd).map_err(|problem| {
+        Failure::new(format!("--simd: {problem}")).help("leave --simd and WARPFRONT_SIMD out")
+    })?;
+    match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
@@ -67,14 +82,6 @@ pub fn main() -> ExitCode {
         Command::Bench(args) => bench::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Connect(args) => connect::run(args),
-    };
-    match outcome {
-        Ok(Outcome::Good) => ExitCode::SUCCESS,
-        Ok(Outcome::Lost | Outcome::Differ) => ExitCode::from(1),
-        Err(failure) => {
-            say(failure);
-            ExitCode::from(2)
-        }
     }
 }
 

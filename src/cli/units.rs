@@ -23,7 +23,7 @@ pub(super) fn decimal(number: f64) -> String {
 
 /// Four significant digits, with an exponent where the number is very small or large.
 pub(super) fn significant(number: f64) -> String {
-    let exponent = number.abs().log10().floor();
+    let exponent = libm::log10(number.abs()).floor();
     match exponent {
         _ if number == 0.0 => "0".to_owned(),
         -3.0..6.0 => format!("{number:.0$}", (3.0 - exponent).max(0.0) as usize),

@@ -22,7 +22,7 @@ pub fn write_png(image: &Image, exposure: f64, out: impl Write) -> io::Result<()
     if !image.is_consistent() {
         return Err(invalid("the planes do not fill the data window"));
     }
-    let gain = exposure.exp2() as f32;
+    let gain = libm::exp2(exposure) as f32;
     let pixels: Vec<[u8; 3]> =
         red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| to_srgb8(Vec3::new(r, g, b), gain)).collect();
     write_rgb8(&pixels, image.size, out)

@@ -34,7 +34,7 @@ fn neutral(color: Vec3) -> Vec3 {
 
 /// The sRGB transfer function (IEC 61966-2-1).
 fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

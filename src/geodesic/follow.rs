@@ -106,7 +106,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
 fn angle<R: Real>(step: &Step<R>) -> R {
     // atan of a number with a derivative: the derivative of the tangent, times the squared cosine.
     let tangent = step.b * step.h;
-    R::of(tangent.value().atan()) + (tangent - R::of(tangent.value())) * step.cos * step.cos
+    R::of(libm::atan(tangent.value())) + (tangent - R::of(tangent.value())) * step.cos * step.cos
 }
 
 /// The part of `step` up to the root of a function that `at` gives with its derivative in h, by Newton's method within

@@ -177,7 +177,7 @@ impl Lens {
             reach,
             place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
             rules: RULES.map(rule).to_vec(),
-            digits: -0.5 * tolerance.ln(),
+            digits: -0.5 * libm::log(tolerance),
             enough: tolerance,
         })
     }
@@ -204,7 +204,7 @@ impl Lens {
     pub fn connect(&self, x: &Site, y: &Site, winding: u32) -> Option<Connection> {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
-        let angle = sin.atan2(x.radial.dot(y.radial));
+        let angle = libm::atan2(sin, x.radial.dot(y.radial));
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
         let swept = if odd { turns + (PI - angle) } else { turns + angle };
         let radial = swept < RADIAL;
@@ -236,7 +236,7 @@ impl Lens {
     pub fn aim(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
-        let angle = sin.atan2(x.radial.dot(y.radial));
+        let angle = libm::atan2(sin, x.radial.dot(y.radial));
         let odd = winding % 2 == 1;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let along = if odd { -axis } else { axis }.cross(y.radial);
@@ -246,7 +246,7 @@ impl Lens {
         let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
         let [cos, sin] = if is_weak {
             let d = distance(near, far, gamma);
-            let (sin, cos) = gamma.sin_cos();
+            let (sin, cos) = libm::sincos(gamma);
             if reversed {
                 [-(near.q * cos - far.q) / d, near.q * sin / d]
             } else {
@@ -265,7 +265,7 @@ impl Lens {
     /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
     pub fn odds(&self, x: &Site, y: &Site) -> f64 {
         let (spin, along) = (x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
-        let off = spin.atan2(-along);
+        let off = libm::atan2(spin, -along);
         // b²/f − b off − 2c = 0, whose roots are the impact parameters of the two images.
         let root = (off * off + 8.0 * self.weak * self.critical * (x.w + y.w)).sqrt();
         ((root - off) / (root + off)).powi(2)
@@ -284,7 +284,7 @@ impl Lens {
             let cos = if y.q > x.q { -arrival.dot(y.radial) } else { direction.dot(x.radial) };
             let leaving = (b * near.q).min(1.0);
             let cos = (1.0 - leaving * leaving).sqrt().copysign(side * cos);
-            let gamma = leaving.atan2(cos) - (b * far.q).min(1.0).asin();
+            let gamma = libm::atan2(leaving, cos) - libm::asin((b * far.q).min(1.0));
             self.beside(near, far, gamma.max(RADIAL)).map(|track| oriented(track, y.q > x.q))
         }?;
         // g is between 0 and π, and the winding even, if the ray sets out on the short way.
@@ -294,7 +294,7 @@ impl Lens {
         } else {
             2.0 * (turns - 0.25).round()
         };
-        let sine = if track.swept < AROUND { track.swept.sin() } else { spin.length() };
+        let sine = if track.swept < AROUND { libm::sin(track.swept) } else { spin.length() };
         Some((winding.max(0.0) as u32, spread(x, y, &track, sine)))
     }
 
@@ -322,12 +322,12 @@ impl Lens {
         // Where b reaches b_c beyond the point next to the photon sphere: cos θ = −√(1 − (b_c q)²).
         let critical = |site: &Site| {
             let s2 = site.s * site.s;
-            (1.0 - s2).atan2((s2 * (2.0 - s2)).sqrt())
+            libm::atan2(1.0 - s2, (s2 * (2.0 - s2)).sqrt())
         };
         let most = PI - critical(near) - critical(far);
         let guess =
-            if swept < 0.9 * most { self.guess(near, far, swept, (0.5 * swept).tan()) } else { swept };
-        let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * (-swept).exp()) };
+            if swept < 0.9 * most { self.guess(near, far, swept, libm::tan(0.5 * swept)) } else { swept };
+        let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
         root((0.0, most, guess), self.enough, &Beside { lens: self, near, far, swept })
             .map(|track| oriented(track, reversed))
     }
@@ -351,7 +351,7 @@ impl Lens {
     fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
         let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
         let (b, leaving, arriving, d) = straight(near, far, gamma);
-        let (sin, cos) = gamma.sin_cos();
+        let (sin, cos) = libm::sincos(gamma);
         let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
         let m = self.critical / b;
         let (swept, slope) = if m > 1.0 {
@@ -403,7 +403,7 @@ impl Lens {
     /// The ray between two places next to the photon sphere that sweeps an angle. There s is a sum of e^λφ and e^−λφ.
     fn circling(&self, x: &Site, y: &Site, swept: f64) -> Track {
         let growth = FRAC_1_SQRT_2 / self.outside.at(0.0)[0];
-        let (sinh, cosh) = ((growth * swept).sinh(), (growth * swept).cosh());
+        let (sinh, cosh) = (libm::sinh(growth * swept), libm::cosh(growth * swept));
         // ds/d(λφ), whose square is m − 1 + s².
         let rates = [(y.s - x.s * cosh) / sinh, (y.s * cosh - x.s) / sinh];
         let above = rates[0] * rates[0] - x.s * x.s;
@@ -455,7 +455,7 @@ impl Lens {
         // Of tan²(θ/2) where B would be b_c: negative.
         let pole = ((b - self.critical) / (b + self.critical)).max(f64::MIN_POSITIVE).sqrt();
         let scale = (1.0 + m).sqrt();
-        let gap = (0.5 * gamma).sin() * ((1.0 + start * start) * (1.0 + end * end)).sqrt();
+        let gap = libm::sin(0.5 * gamma) * ((1.0 + start * start) * (1.0 + end * end)).sqrt();
         let range = (start / pole, end / pole, gap / pole);
         let [swept, by_b] = self.integrate(range, [-f64::INFINITY, f64::INFINITY], |sinh, cosh| {
             let round: Lanes = sinh.map(|sinh| (1.0 + (pole * sinh).powi(2)).sqrt());
@@ -489,14 +489,14 @@ impl Lens {
         // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3]. On the real axis the
         // nearer one counts.
         let nearer = (middle / exp_arsinh(beyond[0])).min(exp_arsinh(beyond[1]) / middle);
-        let real = (nearer.ln() / half).max(1.0);
+        let real = (libm::log(nearer) / half).max(1.0);
         let across = arsinh(0.5 * PI / half.max(1e-3));
-        let wanted = self.digits / across.min((real + (real * real - 1.0).sqrt()).ln()).max(1e-3);
+        let wanted = self.digits / across.min(libm::log(real + (real * real - 1.0).sqrt())).max(1e-3);
         let longest = RULES.len() - 1;
         let rule = RULES.iter().position(|&nodes| nodes as f64 >= wanted).unwrap_or(longest);
         let mut sums = [0.0; 2];
         for (x, weight) in &self.rules[rule] {
-            let grown = x.map(|x| middle * (half * x).exp());
+            let grown = x.map(|x| middle * libm::exp(half * x));
             let shrunk = grown.map(|grown| 1.0 / grown);
             let values = f(
                 std::array::from_fn(|i| 0.5 * (grown[i] - shrunk[i])),
@@ -535,7 +535,7 @@ fn spread(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
 #[inline(always)]
 fn arsinh(x: f64) -> f64 {
     if x > 0.05 {
-        return (x + (1.0 + x * x).sqrt()).ln();
+        return libm::log(x + (1.0 + x * x).sqrt());
     }
     // Its Taylor series: the next term is below 1e-17.
     let square = x * x;
@@ -547,7 +547,7 @@ fn arsinh(x: f64) -> f64 {
 /// angle to the radius at the start and at the end, and [`distance`].
 #[inline(always)]
 fn straight(near: &Site, far: &Site, gamma: f64) -> (f64, [f64; 2], [f64; 2], f64) {
-    let (sin, cos) = gamma.sin_cos();
+    let (sin, cos) = libm::sincos(gamma);
     let d = distance(near, far, gamma);
     let leaving = [(near.q * cos - far.q) / d, near.q * sin / d];
     let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
@@ -575,7 +575,7 @@ impl pulp::NullaryFnOnce for Tracking<'_> {
 /// triangle of their inverse radii.
 #[inline(always)]
 fn distance(x: &Site, y: &Site, angle: f64) -> f64 {
-    let half = (0.5 * angle).sin();
+    let half = libm::sin(0.5 * angle);
     ((x.q - y.q).powi(2) + 4.0 * x.q * y.q * half * half).sqrt()
 }
 
@@ -610,18 +610,18 @@ struct Across<'a> {
 
 /// Nearly a linear function of ln(m − 1): ln(e^φ − 1).
 fn size(swept: f64) -> f64 {
-    swept + (-(-swept).exp_m1()).ln()
+    swept + libm::log(-libm::expm1(-swept))
 }
 
 impl Family for Across<'_> {
     #[inline(always)]
     fn at(&self, t: f64) -> Option<(Track, f64, f64)> {
-        let above = t.exp();
+        let above = libm::exp(t);
         let track = self.lens.through(self.x, self.y, above)?;
         // dφ/dt = dφ/db db/dm dm/dt, b = b_c/m.
         let slope = track.rate / (track.start[0] * track.end[0]).abs();
         let slope = -slope * self.lens.critical * above / (1.0 + above).powi(2);
-        let shift = (size(track.swept) - self.wanted) * -(-track.swept).exp_m1() / slope;
+        let shift = (size(track.swept) - self.wanted) * -libm::expm1(-track.swept) / slope;
         Some((track, shift, self.swept - track.swept))
     }
 
@@ -646,7 +646,8 @@ impl Family for Beside<'_> {
         let slope = track.rate / track.distance;
         // Towards the critical ray e^−φ is linear in γ.
         let excess = track.swept - self.swept;
-        let shift = if excess.abs() < 0.5 { excess * (1.0 + 0.5 * excess) } else { excess.exp_m1().min(1e3) };
+        let shift =
+            if excess.abs() < 0.5 { excess * (1.0 + 0.5 * excess) } else { libm::expm1(excess).min(1e3) };
         Some((track, shift / slope, excess))
     }
 

@@ -126,12 +126,12 @@ impl Launch {
 
     /// Position, relative to the centre, at the inverse radius `w` and the angle `swept` from the start.
     pub fn position(&self, w: f64, swept: f64) -> DVec3 {
-        (self.radial * swept.cos() + self.along * swept.sin()) / w
+        (self.radial * libm::cos(swept) + self.along * libm::sin(swept)) / w
     }
 
     /// Unit direction of travel there, given the rate `v` = dw/dψ.
     pub fn direction(&self, w: f64, v: f64, swept: f64) -> DVec3 {
-        let (sin, cos) = swept.sin_cos();
+        let (sin, cos) = libm::sincos(swept);
         let (outwards, across) = (-v, self.b * w);
         let direction =
             self.radial * (outwards * cos - across * sin) + self.along * (outwards * sin + across * cos);

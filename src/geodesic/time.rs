@@ -59,19 +59,19 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
                 rate(Phase::new(medium, w, v)) / v
             })
     } else {
-        let angle = (b * h).atan();
+        let angle = libm::atan(b * h);
         let small = angle < SMALL_ANGLE;
         let along = if small { h } else { angle / b };
         along
             * mean(|share| {
-                let h = if small { share * h } else { (share * angle).tan() / b };
+                let h = if small { share * h } else { libm::tan(share * angle) / b };
                 rate(Step::new(medium, stepper, b, start, h).end)
             })
     };
     if near_horizon {
         integral
     } else {
-        start.v / start.w - end.v / end.w + sign * far * (end.w / start.w).ln() + integral
+        start.v / start.w - end.v / end.w + sign * far * libm::log(end.w / start.w) + integral
     }
 }
 

@@ -32,10 +32,10 @@ impl Lens {
             .map(|(site, direction, side)| side * direction.dot(site.radial));
         let turns = away[0] < 0.0 && away[1] > 0.0;
         let action = if sides[0] == sides[1] && (turns || ray.b > self.critical) {
-            let [from, to] = [0, 1].map(|end| (away[end] / (ray.b * [x, y][end].q)).asinh());
+            let [from, to] = [0, 1].map(|end| libm::asinh(away[end] / (ray.b * [x, y][end].q)));
             self.action_beside(ray.b, 0.5 * (from + to), ray.line, sides[0])
         } else {
-            let [from, to] = [x, y].map(|site| (site.s / (self.critical * site.q).sqrt()).asinh());
+            let [from, to] = [x, y].map(|site| libm::asinh(site.s / (self.critical * site.q).sqrt()));
             self.action_through((ray.b / self.critical).min(1.0), from.min(to), from.max(to))
         };
         ray.b * ray.swept + action
@@ -45,11 +45,11 @@ impl Lens {
     /// between its ends.
     fn action_beside(&self, b: f64, middle: f64, line: f64, side: f64) -> f64 {
         // Of y from the middle to the ends, without the rounding of their difference.
-        let half = (0.5 * line / (b * middle.cosh())).asinh();
+        let half = libm::asinh(0.5 * line / (b * libm::cosh(middle)));
         let fit = if side < 0.0 { &self.inside } else { &self.outside };
         // 1 − m.
         let above = ((b - self.critical) / b).max(f64::MIN_POSITIVE);
-        let nearest = 2.0 * (0.5 * above).sqrt().asin();
+        let nearest = 2.0 * libm::asin((0.5 * above).sqrt());
         let range = (middle - half, middle + half);
         let rest = self.over_panels(fit, range, nearest, |Hyperbolic { sinh, cosh, excess }| {
             let s = side * ((above + excess) / cosh).sqrt();
@@ -62,7 +62,7 @@ impl Lens {
 
     /// W of a ray of impact parameter `share` b_c, at most b_c, between two values of z.
     fn action_through(&self, share: f64, low: f64, high: f64) -> f64 {
-        let nearest = (1.0 - share).sqrt().asin();
+        let nearest = libm::asin((1.0 - share).sqrt());
         let part = |low: f64, high: f64, fit: &Chebyshev, flat: f64| {
             if low >= high {
                 return 0.0;
@@ -74,7 +74,7 @@ impl Lens {
                 (s, move |h| 2.0 * self.critical * cosh2 * (h * clear.sqrt() - flat * s))
             });
             // B = b_c cosh² z.
-            rest + flat * self.critical * (high - low).sinh() * (high + low).sinh()
+            rest + flat * self.critical * libm::sinh(high - low) * libm::sinh(high + low)
         };
         part(low, high.min(0.0), &self.inside, 0.0) + part(low.max(0.0), high, &self.outside, 1.0)
     }
@@ -89,7 +89,7 @@ impl Lens {
         f: impl Fn(Hyperbolic) -> (f64, F),
     ) -> f64 {
         let delta = nearest.max(NEAREST);
-        let [first, last] = [low, high].map(|bound| (bound / delta).asinh());
+        let [first, last] = [low, high].map(|bound| libm::asinh(bound / delta));
         let panels = ((last - first) / PANEL).ceil().max(1.0);
         let half = 0.5 * (last - first) / panels;
         let mut sum = 0.0;
@@ -121,7 +121,7 @@ struct Hyperbolic {
 impl Hyperbolic {
     /// All from one exponential, without cancellation.
     fn of(x: f64) -> Self {
-        let grown = x.abs().exp_m1();
+        let grown = libm::expm1(x.abs());
         let shrunk = grown / (1.0 + grown);
         let excess = 0.5 * grown * shrunk;
         Self { sinh: (0.5 * (grown + shrunk)).copysign(x), cosh: 1.0 + excess, excess }

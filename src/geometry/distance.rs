@@ -34,7 +34,7 @@ impl Reach {
         let height = to.dot(disk.normal);
         let radius = (to - height * disk.normal).length();
         let beside = radius - radius.clamp(disk.inner, disk.outer);
-        Reach { nearest: height.hypot(beside), farthest: height.hypot(radius + disk.outer) }
+        Reach { nearest: libm::hypot(height, beside), farthest: libm::hypot(height, radius + disk.outer) }
     }
 
     /// From `point` to a triangle.

@@ -43,7 +43,7 @@ pub struct Cap {
 impl Cap {
     /// A cap of half-angle `angle`, radians, around the unit vector `axis`.
     pub fn new(axis: DVec3, angle: f64) -> Self {
-        Self { axis, height: 2.0 * (0.5 * angle).sin().powi(2) }
+        Self { axis, height: 2.0 * libm::sin(0.5 * angle).powi(2) }
     }
 
     /// Whether a point with this unit normal lies on it.

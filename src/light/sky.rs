@@ -36,7 +36,7 @@ impl Sky {
         for y in 0..height {
             let row: Vec<f64> = (0..width).map(|x| brightness(x, y)).collect();
             let sum = cumulate(&row, &mut columns);
-            sums.push(sum * (PI * (y as f64 + 0.5) / height as f64).sin());
+            sums.push(sum * libm::sin(PI * (y as f64 + 0.5) / height as f64));
         }
         let mut rows = Vec::with_capacity(height + 1);
         let total = cumulate(&sums, &mut rows);
@@ -49,8 +49,8 @@ impl Sky {
         let (row, y) = find(&self.rows, v);
         let (column, x) = find(self.row(row), u);
         let longitude = TAU * ((column as f64 + x) / self.width as f64 - 0.5);
-        let (sin, cos) = (PI * (row as f64 + y) / self.height as f64).sin_cos();
-        let direction = DVec3::new(sin * longitude.sin(), cos, -sin * longitude.cos());
+        let (sin, cos) = libm::sincos(PI * (row as f64 + y) / self.height as f64);
+        let direction = DVec3::new(sin * libm::sin(longitude), cos, -sin * libm::cos(longitude));
         let density = self.texel_density(row, column, sin);
         (density > 0.0 && density.is_finite()).then(|| (self.from_world.transpose() * direction, density))
     }
@@ -58,8 +58,8 @@ impl Sky {
     /// Density in solid angle of a unit direction, world.
     pub fn density(&self, direction: DVec3) -> f64 {
         let d = self.from_world * direction;
-        let u = 0.5 + d.x.atan2(-d.z) / TAU;
-        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let u = 0.5 + libm::atan2(d.x, -d.z) / TAU;
+        let v = libm::acos(d.y.clamp(-1.0, 1.0)) / PI;
         let column = ((u * self.width as f64) as usize).min(self.width - 1);
         let row = ((v * self.height as f64) as usize).min(self.height - 1);
         let sin = (1.0 - d.y * d.y).max(0.0).sqrt();

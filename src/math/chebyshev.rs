@@ -21,9 +21,10 @@ impl Chebyshev {
     pub fn fit(count: usize, (low, high): (f64, f64), f: impl Fn(f64) -> f64) -> Self {
         let (middle, scale) = (0.5 * (low + high), 2.0 / (high - low));
         let angle = |k: usize| PI * (k as f64 + 0.5) / count as f64;
-        let values: Vec<f64> = (0..count).map(|k| f(middle + angle(k).cos() / scale)).collect();
+        let values: Vec<f64> = (0..count).map(|k| f(middle + libm::cos(angle(k)) / scale)).collect();
         let coefficient = |degree: usize| {
-            let sum: f64 = values.iter().enumerate().map(|(k, y)| y * (degree as f64 * angle(k)).cos()).sum();
+            let sum: f64 =
+                values.iter().enumerate().map(|(k, y)| y * libm::cos(degree as f64 * angle(k))).sum();
             sum * if degree == 0 { 1.0 } else { 2.0 } / count as f64
         };
         let mut terms: Vec<[f64; 2]> = (0..count).map(|degree| [coefficient(degree), 0.0]).collect();
@@ -46,7 +47,7 @@ impl Chebyshev {
     /// and in halves of its length, if the terms have fallen to `tolerance`: those of T_n fall like the nth power of the sum
     /// of its half-axes.
     pub fn reach(&self, tolerance: f64) -> f64 {
-        let sum = tolerance.powf(-1.0 / self.terms.len() as f64);
+        let sum = libm::pow(tolerance, -1.0 / self.terms.len() as f64);
         0.5 * (sum + 1.0 / sum)
     }
 

@@ -1,6 +1,7 @@
 //! Kernels over columns: plain arithmetic on rows, lane beside lane.
 
 use super::columns::{LANES, PAIRED, Paired, Row};
+use super::simd;
 
 /// What gives a row from two others, and nothing else.
 ///
@@ -56,7 +57,7 @@ pub fn map_full<R, K: Kernel<A: Paired, B: Paired, Out: Paired>>(
 
 /// Bytes in the widest vectors that kernels are compiled for and the machine has.
 fn widest_vector() -> usize {
-    match pulp::Arch::new() {
+    match simd::arch() {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         pulp::Arch::V4(_) => 64,
         _ => 32,
@@ -67,7 +68,7 @@ fn widest_vector() -> usize {
 ///
 /// A closure would not do: it cannot be forced inline, and only what is inlined gets the wide instructions.
 pub fn widest<W: pulp::NullaryFnOnce>(work: W) -> W::Output {
-    pulp::Arch::new().dispatch(work)
+    simd::arch().dispatch(work)
 }
 
 struct Map<'a, K: Kernel> {

@@ -10,5 +10,7 @@ pub mod kernel;
 pub mod prefetch;
 pub mod quadrature;
 pub mod real;
+pub mod rotation;
 pub mod rough;
+pub mod simd;
 pub mod turn;

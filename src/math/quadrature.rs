@@ -20,7 +20,7 @@ pub fn mean(f: impl Fn(f64) -> f64) -> f64 {
 /// Nodes by Newton's method on Legendre's recurrence \[Press et al. 2007, "Numerical Recipes", 3rd ed., 4.6\].
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let node = |index: usize| {
-        let mut x = (PI * (index as f64 + 0.75) / (count as f64 + 0.5)).cos();
+        let mut x = libm::cos(PI * (index as f64 + 0.75) / (count as f64 + 0.5));
         let mut slope = 1.0;
         for _ in 0..8 {
             let (mut here, mut before) = (1.0, 0.0);

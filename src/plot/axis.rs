@@ -46,13 +46,13 @@ impl Axis {
     pub fn log_around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         let usable = values.filter(|value| value.is_finite() && *value > 0.0);
         let (low, high) = usable.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
-        let (low, high) = if low <= high { (low.log10(), high.log10()) } else { (0.0, 0.0) };
+        let (low, high) = if low <= high { (libm::log10(low), libm::log10(high)) } else { (0.0, 0.0) };
         // A decade at least, or ticks have nothing to stand on.
         let room = (ROOM * (high - low)).max(0.5 * (1.0 - (high - low)));
         Self {
             label: label.into(),
             scale: Scale::Log,
-            range: [low - room, high + room].map(|e| 10f64.powf(e)),
+            range: [low - room, high + room].map(|e| libm::pow(10f64, e)),
         }
     }
 
@@ -61,7 +61,7 @@ impl Axis {
         let [first, last] = self.range;
         match self.scale {
             Scale::Linear => (value - first) / (last - first),
-            Scale::Log => (value / first).ln() / (last / first).ln(),
+            Scale::Log => libm::log(value / first) / libm::log(last / first),
         }
     }
 
@@ -79,10 +79,10 @@ impl Axis {
         if !(rough.is_finite() && rough > 0.0) {
             return Vec::new();
         }
-        let decade = 10f64.powf(rough.log10().floor());
+        let decade = libm::pow(10f64, libm::log10(rough).floor());
         let step =
             [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|&s| s >= rough).unwrap_or(10.0 * decade);
-        let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
+        let decimals = (-libm::log10(step).floor()).clamp(0.0, 12.0) as usize;
         let indices = (first / step).ceil() as i64..=(last / step).floor() as i64;
         indices
             .map(|index| {
@@ -94,9 +94,9 @@ impl Axis {
 
     fn log_ticks(&self, length: f64) -> Vec<Tick> {
         let [first, last] = self.range;
-        let decades = (last / first).log10();
+        let decades = libm::log10(last / first);
         let stride = (decades * DECADES_APART / length).ceil().max(1.0) as i32;
-        let exponents = first.log10().floor() as i32..=last.log10().floor() as i32;
+        let exponents = libm::log10(first).floor() as i32..=libm::log10(last).floor() as i32;
         let digits = if stride > 1 { 1..2 } else { 1..10 };
         exponents
             .flat_map(|exponent| digits.clone().map(move |digit| (digit, exponent)))

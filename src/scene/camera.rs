@@ -26,7 +26,7 @@ impl Camera {
     pub fn new(position: DVec3, forward: DVec3, up: DVec3, vertical_fov: f64, near: f64) -> Option<Self> {
         let forward = forward.try_normalize()?;
         let right = forward.cross(up).try_normalize()?;
-        let tan_half_fov = (0.5 * vertical_fov).tan();
+        let tan_half_fov = libm::tan(0.5 * vertical_fov);
         let finite = position.is_finite() && tan_half_fov.is_finite() && near.is_finite();
         (finite && tan_half_fov > 0.0 && near >= 0.0).then_some(Self {
             position,

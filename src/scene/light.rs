@@ -32,8 +32,8 @@ pub(super) fn light(table: &Spanned<LightTable>) -> Result<Punctual, Fault> {
                 position: position()?,
                 direction: direction()?,
                 intensity: intensity()?,
-                cos_inner: inner.cos(),
-                cos_outer: outer.cos(),
+                cos_inner: libm::cos(inner),
+                cos_outer: libm::cos(outer),
             })
         }
     }

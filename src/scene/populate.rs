@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use toml::Spanned;
 
 use super::check;
@@ -19,6 +19,7 @@ use super::world::{Look, ModelFormat, World};
 use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind};
 use crate::asset::{Files, load_image};
 use crate::geometry::{Disk, Sphere};
+use crate::math::rotation;
 use crate::shade::{Environment, LatLong, Lobe, Material};
 
 /// Largest image side, pixels.
@@ -134,7 +135,7 @@ fn environment(
             width: picture.width,
             height: picture.height,
             pixels: picture.pixels.into_iter().map(|pixel| pixel * strength).collect(),
-            from_world: DMat3::from_rotation_y(-degrees.to_radians()),
+            from_world: DMat3::from_quat(rotation::about(DVec3::Y, -degrees.to_radians())),
         }));
     }
     match (&table.kind, &table.color, &table.strength) {
@@ -447,7 +448,7 @@ fn transform(table: &TransformTable) -> Result<DAffine3, Fault> {
         .translate
         .as_ref()
         .map_or(Ok(DVec3::ZERO), |offset| check::finite_vector(offset, "translate"))?;
-    let rotation = table.rotate.as_ref().map_or(Ok(DQuat::IDENTITY), rotation)?;
+    let rotation = table.rotate.as_ref().map_or(Ok(DQuat::IDENTITY), turned)?;
     let scale = table.scale.as_ref().map_or(Ok(DVec3::ONE), |scale| {
         let factors = DVec3::from(scale.get_ref().0);
         let usable = factors.is_finite() && factors.cmpne(DVec3::ZERO).all();
@@ -465,7 +466,7 @@ fn transform(table: &TransformTable) -> Result<DAffine3, Fault> {
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
 }
 
-fn rotation(given: &Spanned<Rotation>) -> Result<DQuat, Fault> {
+fn turned(given: &Spanned<Rotation>) -> Result<DQuat, Fault> {
     let fault = |problem: &str| Fault::at(given.span(), problem, "write finite degrees about a nonzero axis");
     match *given.get_ref() {
         Rotation::Euler(degrees) => {
@@ -473,13 +474,12 @@ fn rotation(given: &Spanned<Rotation>) -> Result<DQuat, Fault> {
             if !angles.is_finite() {
                 return Err(fault("the angles must be finite"));
             }
-            // glam's ZYX turns about the moving axes z, y, x, which is x, y, z about the fixed ones.
-            Ok(DQuat::from_euler(EulerRot::ZYX, angles.z, angles.y, angles.x))
+            Ok(rotation::about_fixed_axes(angles))
         }
         Rotation::AxisAngle { axis, angle } => {
             let axis = DVec3::from(axis).try_normalize().filter(|_| angle.is_finite());
             let axis = axis.ok_or_else(|| fault("the axis has no direction or the angle is not finite"))?;
-            Ok(DQuat::from_axis_angle(axis, angle.to_radians()))
+            Ok(rotation::about(axis, angle.to_radians()))
         }
     }
 }

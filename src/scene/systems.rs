@@ -200,9 +200,9 @@ pub(super) fn framing_camera(boxes: &[(Bounds, u32)], aspect: f64) -> Option<Cam
     let Bounds { min, max } = Bounds::of(boxes.iter().flat_map(|(bounds, _)| [bounds.min, bounds.max]))?;
     let (middle, radius) = (0.5 * (min + max), 0.5 * (max - min).length());
     let fov = FRAMING_FOV.to_radians();
-    let half_angle = (0.5 * fov).min(((0.5 * fov).tan() * aspect).atan());
+    let half_angle = (0.5 * fov).min(libm::atan(libm::tan(0.5 * fov) * aspect));
     let towards_camera = FRAMING_DIRECTION.normalize();
-    let position = middle + towards_camera * (radius / half_angle.sin());
+    let position = middle + towards_camera * (radius / libm::sin(half_angle));
     Camera::new(position, -towards_camera, DVec3::Y, fov, 0.0)
 }
 

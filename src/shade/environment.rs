@@ -60,8 +60,8 @@ impl LatLong {
     /// Bilinear look-up, periodic in longitude and clamped at the poles.
     fn radiance(&self, direction: DVec3) -> Vec3 {
         let d = self.from_world * direction;
-        let u = 0.5 + d.x.atan2(-d.z) / std::f64::consts::TAU;
-        let v = d.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
+        let u = 0.5 + libm::atan2(d.x, -d.z) / std::f64::consts::TAU;
+        let v = libm::acos(d.y.clamp(-1.0, 1.0)) / std::f64::consts::PI;
         let x = u * self.width as f64 - 0.5;
         let y = (v * self.height as f64 - 0.5).clamp(0.0, (self.height - 1) as f64);
         let (column, row) = (x.floor(), y.floor());

@@ -204,7 +204,7 @@ impl<'a> Pair<'a> {
                 return NOT_COMPARABLE;
             }
             let colorous::Color { r, g, b } =
-                colorous::INFERNO.eval_continuous((relative.log10() / DECADES + 1.0).clamp(0.0, 1.0));
+                colorous::INFERNO.eval_continuous((libm::log10(relative) / DECADES + 1.0).clamp(0.0, 1.0));
             [r, g, b]
         };
         (0..self.a.size.0 * self.a.size.1).map(color).collect()

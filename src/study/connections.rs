@@ -188,7 +188,7 @@ fn straight(x: DVec3, y: DVec3, spin: f64) -> Joint {
     let spread = 1.0 / (distance * distance);
     Joint {
         winding: 0,
-        swept: spin.atan2(x.dot(y)),
+        swept: libm::atan2(spin, x.dot(y)),
         b: spin / distance,
         direction,
         arrival: direction,

@@ -37,16 +37,16 @@ impl Estimate {
     pub fn over(self, other: Self) -> Self {
         let value = self.value / other.value;
         let relative = |e: Self| e.error.map(|error| error / e.value);
-        let error = relative(self).zip(relative(other)).map(|(a, b)| value * a.hypot(b));
+        let error = relative(self).zip(relative(other)).map(|(a, b)| value * libm::hypot(a, b));
         Self { value, error }
     }
 
     /// The geometric mean of `values`; `None` unless all are finite and above 0.
     pub fn geometric_mean(values: &[f64]) -> Option<Self> {
         are_positive(values).then(|| {
-            let logarithms: Vec<f64> = values.iter().map(|v| v.ln()).collect();
+            let logarithms: Vec<f64> = values.iter().map(|&v| libm::log(v)).collect();
             let mean = Self::mean(&logarithms);
-            let value = mean.value.exp();
+            let value = libm::exp(mean.value);
             Self { value, error: mean.error.map(|error| value * error) }
         })
     }

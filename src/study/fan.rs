@@ -101,7 +101,7 @@ impl Fan {
         let view = View { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
 
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
-        let angle = options.angle.unwrap_or(2.0 * half_width.atan());
+        let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
         let near = if options.from.is_some() { 0.0 } else { camera.near };
         let rays: Option<Vec<Ray>> = directions(angle, options.count)
             .map(|direction| {
@@ -232,11 +232,17 @@ fn normal(up: Option<DVec3>, in_plane: DVec3, middle: DVec3, camera_up: DVec3) -
     Some(if normal.cross(in_plane).dot(camera_up) < -PARALLEL { -normal } else { normal })
 }
 
+/// The unit vector at an angle from +X, radians.
+fn unit(angle: f64) -> DVec2 {
+    let (sin, cos) = libm::sincos(angle);
+    DVec2::new(cos, sin)
+}
+
 /// Unit directions evenly over `angle` around +X.
 fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     (0..count).map(move |index| {
         let s = if count > 1 { f64::from(index) / f64::from(count - 1) - 0.5 } else { 0.0 };
-        DVec2::from_angle(s * angle)
+        unit(s * angle)
     })
 }
 
@@ -252,7 +258,7 @@ fn drawn(trail: &Trail, reach: f64) -> Vec<DVec3> {
 /// A circle between two angles either side of `middle`, as a polygon.
 fn circle(center: DVec2, radius: f64, middle: f64, half: f64) -> Vec<[f64; 2]> {
     let angle = |i: u32| middle + half * (2.0 * f64::from(i) / f64::from(CORNERS) - 1.0);
-    (0..=CORNERS).map(|i| (center + radius * DVec2::from_angle(angle(i))).into()).collect()
+    (0..=CORNERS).map(|i| (center + radius * unit(angle(i))).into()).collect()
 }
 
 impl View {
@@ -277,8 +283,8 @@ impl View {
                 let (distance, reach) = (to_frame.length(), 0.5 * frame.reach());
                 let cosine =
                     (distance * distance + radius * radius - reach * reach) / (2.0 * distance * radius);
-                let half = if cosine.is_nan() { PI } else { cosine.clamp(-1.0, 1.0).acos() };
-                (half > 0.0).then(|| circle(center, radius, to_frame.to_angle(), half))
+                let half = if cosine.is_nan() { PI } else { libm::acos(cosine.clamp(-1.0, 1.0)) };
+                (half > 0.0).then(|| circle(center, radius, libm::atan2(to_frame.y, to_frame.x), half))
             }
         }
     }

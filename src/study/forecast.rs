@@ -47,7 +47,7 @@ impl Forecast {
         };
         // Most neighbourhoods have no edges and a few have many: outliers count.
         let edges = Estimate::mean(&all(|reading| reading.edges, pixels_in_turn));
-        let error = sampling.error.zip(edges.error).map(|(a, b)| a.hypot(b));
+        let error = sampling.error.zip(edges.error).map(|(a, b)| libm::hypot(a, b));
         Self {
             threads,
             paths: pixels as u64 * u64::from(settings.spp),

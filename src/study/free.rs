@@ -444,7 +444,7 @@ fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Exit {
             position: position + center,
             direction,
             time: way,
-            swept: (b * way).atan2(rho * rho + way * along),
+            swept: libm::atan2(b * way, rho * rho + way * along),
             sens: (1.0 - along / half).abs().max(1.0),
             drift_h: direction.length_squared() - 1.0,
             drift_l: drift_l(b, spin(position, direction)),

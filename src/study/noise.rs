@@ -143,7 +143,7 @@ fn cuts(length: usize) -> Vec<Range<usize>> {
 /// Bound on the probability that the largest of `tests` normal \|z\| is `z` or more.
 fn chance(z: f64, tests: usize) -> f64 {
     let one = libm::erfc(z / std::f64::consts::SQRT_2);
-    -(tests as f64 * (-one).ln_1p()).exp_m1()
+    -libm::expm1(tests as f64 * libm::log1p(-one))
 }
 
 /// Keeps the deviation of larger \|z\|.

@@ -257,7 +257,7 @@ fn alike(geometry: &Geometry, a: &Shot, b: &Shot) -> bool {
 
 /// Angle between unit vectors, also where it is too small for its cosine.
 pub(super) fn angle(a: DVec3, b: DVec3) -> f64 {
-    2.0 * (0.5 * a.distance(b)).min(1.0).asin()
+    2.0 * libm::asin((0.5 * a.distance(b)).min(1.0))
 }
 
 impl Spread {

@@ -81,7 +81,7 @@ fn cap(normals: &[DVec3]) -> Option<Cap> {
     }
     let middle = |normals: &[DVec3]| normals.iter().sum::<DVec3>().try_normalize();
     // Accurate for the smallest of caps, as acos is not.
-    let angle = |axis: DVec3, normal: DVec3| axis.cross(normal).length().atan2(axis.dot(normal));
+    let angle = |axis: DVec3, normal: DVec3| libm::atan2(axis.cross(normal).length(), axis.dot(normal));
     let first = middle(normals)?;
     let mut inner = normals.to_vec();
     inner.sort_by(|a, b| angle(first, *a).total_cmp(&angle(first, *b)));

@@ -71,9 +71,9 @@ impl PaperMarch {
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
         let ray = (orbit.b, Phase::new(&self.medium, orbit.w, orbit.v), orbit.fate);
         match follow(&self.medium, &Rkn6, &control, ray, 0.0, |_| {}).end {
-            End::Crosses(_, swept) => {
-                Outcome::Escaped((orbit.radial * swept.cos() + orbit.along * swept.sin()).normalize())
-            }
+            End::Crosses(_, swept) => Outcome::Escaped(
+                (orbit.radial * libm::cos(swept) + orbit.along * libm::sin(swept)).normalize(),
+            ),
             _ => Outcome::NonFinite,
         }
     }

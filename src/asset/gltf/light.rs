@@ -44,7 +44,7 @@ fn read(light: &Light) -> Result<Punctual, Flaw> {
                     "choose other angles and export the file again",
                 ));
             }
-            let (cos_inner, cos_outer) = (f64::from(inner).cos(), f64::from(outer).cos());
+            let (cos_inner, cos_outer) = (libm::cos(f64::from(inner)), libm::cos(f64::from(outer)));
             Ok(Punctual::Spot { position, direction, intensity, cos_inner, cos_outer })
         }
     }

@@ -44,9 +44,9 @@ impl Node {
         for axis in 0..3 {
             let origin = f64::from(all.min[axis]);
             let cell = (f64::from(all.max[axis]) - origin) / f64::from(CELLS);
-            let exponent = (cell.log2().ceil() + 127.0).clamp(1.0, 254.0);
+            let exponent = (libm::log2(cell).ceil() + 127.0).clamp(1.0, 254.0);
             node.exponents[axis] = exponent as u8;
-            let scale = (exponent - 127.0).exp2();
+            let scale = libm::exp2(exponent - 127.0);
             for (child, bounds) in boxes.iter().enumerate() {
                 let line = |at: f32| (f64::from(at) - origin) / scale;
                 node.low[axis][child] = line(bounds.min[axis]).floor() as u8;

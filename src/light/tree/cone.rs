@@ -24,8 +24,8 @@ impl Cone {
     pub fn new(emission: &Emission) -> Self {
         Self {
             axis: emission.axis,
-            normals: emission.cos_normals.clamp(-1.0, 1.0).acos(),
-            emission: emission.cos_emission.clamp(0.0, 1.0).acos(),
+            normals: libm::acos(emission.cos_normals.clamp(-1.0, 1.0)),
+            emission: libm::acos(emission.cos_emission.clamp(0.0, 1.0)),
             both_sides: emission.both_sides,
         }
     }
@@ -39,14 +39,14 @@ impl Cone {
         let dot = wide.axis.dot(narrow.axis);
         let (dot, towards) = if both_sides && dot < 0.0 { (-dot, -narrow.axis) } else { (dot, narrow.axis) };
         // Accurate at any angle, as neither acos nor asin is.
-        let between = wide.axis.cross(towards).length().atan2(dot);
+        let between = libm::atan2(wide.axis.cross(towards).length(), dot);
         if (between + narrow.normals).min(PI) <= wide.normals {
             return union;
         }
         let normals = 0.5 * (wide.normals + between + narrow.normals);
         match (towards - dot * wide.axis).try_normalize() {
             Some(across) if normals < PI => {
-                let (sin, cos) = (normals - wide.normals).sin_cos();
+                let (sin, cos) = libm::sincos(normals - wide.normals);
                 Cone { axis: cos * wide.axis + sin * across, normals, ..union }
             }
             _ => Cone { normals: PI, ..union },
@@ -58,8 +58,8 @@ impl Cone {
     pub fn measure(&self) -> f64 {
         let o = self.normals;
         let w = (o + self.emission).min(PI);
-        let (sin, cos) = o.sin_cos();
-        let around = FRAC_PI_2 * (2.0 * w * sin - (o - 2.0 * w).cos() - 2.0 * o * sin + cos);
+        let (sin, cos) = libm::sincos(o);
+        let around = FRAC_PI_2 * (2.0 * w * sin - libm::cos(o - 2.0 * w) - 2.0 * o * sin + cos);
         let side = TAU * (1.0 - cos) + around;
         if self.both_sides { 2.0 * side } else { side }
     }

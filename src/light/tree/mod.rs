@@ -156,14 +156,14 @@ impl Node {
         let exact = 0.5 * min + 0.5 * max - origin;
         let middle = exact.as_vec3();
         let radius = 0.5 * min.distance(max) + exact.distance(middle.as_dvec3());
-        let cos_normals = down(cone.normals.cos()).max(-1.0);
+        let cos_normals = down(libm::cos(cone.normals)).max(-1.0);
         Self {
             middle,
             radius: -down(-radius),
             axis: cone.axis.as_vec3(),
             cos_normals,
             sin_normals: (1.0 - cos_normals * cos_normals).sqrt(),
-            cos_emission: down(cone.emission.cos()),
+            cos_emission: down(libm::cos(cone.emission)),
             power: (power as f32).max(f32::MIN_POSITIVE),
             link,
             both_sides: cone.both_sides,

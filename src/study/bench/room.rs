@@ -87,7 +87,7 @@ pub fn bumpy_sphere(triangles: usize) -> Mesh {
 /// A point of the sphere, moved in or out.
 fn bumpy(corner: DVec3) -> [f32; 3] {
     let unit = corner.normalize();
-    let height = (9.0 * unit.x).sin() * (11.0 * unit.y).sin() * (13.0 * unit.z).cos();
+    let height = libm::sin(9.0 * unit.x) * libm::sin(11.0 * unit.y) * libm::cos(13.0 * unit.z);
     ((1.0 + BUMPS * height) * unit).as_vec3().to_array()
 }
 

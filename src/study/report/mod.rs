@@ -37,7 +37,8 @@ fn cell(value: Option<f64>) -> String {
 /// `0.6703 ± 0.0052`: two digits of the error, or three of a value without one.
 fn with_error(estimate: Option<Estimate>) -> String {
     let Some(Estimate { value, error }) = estimate else { return "–".to_owned() };
-    let decimals = |number: f64, digits: f64| (digits - 1.0 - number.abs().log10().floor()).clamp(0.0, 9.0);
+    let decimals =
+        |number: f64, digits: f64| (digits - 1.0 - libm::log10(number.abs()).floor()).clamp(0.0, 9.0);
     match error {
         Some(error) if error > 0.0 => {
             let decimals = decimals(error, 2.0) as usize;

@@ -226,7 +226,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
             End::Crosses(_, swept) => {
-                let (sin, cos) = swept.value().sin_cos();
+                let (sin, cos) = libm::sincos(swept.value());
                 Outcome::Escaped((cos * flight.radial + sin * flight.along).normalize())
             }
             End::StepLimit => Outcome::StepLimit,

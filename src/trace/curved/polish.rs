@@ -210,7 +210,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
 
     fn correcting(&self) -> Correcting<R> {
         // A circle errs as the distance cubed.
-        Correcting { near: (0.1 * self.tolerance).cbrt(), number: PhantomData }
+        Correcting { near: libm::cbrt(0.1 * self.tolerance), number: PhantomData }
     }
 
     /// A chase of the carrier that a flight meets, and where the arc says that is.

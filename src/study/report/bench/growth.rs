@@ -60,7 +60,7 @@ fn growth(races: &[Race]) -> String {
             number(value(least)),
             number(value(most)),
             long / short,
-            (long / short).ln() / (value(most) / value(least)).ln()
+            libm::log(long / short) / libm::log(value(most) / value(least))
         )
     };
     let lines = least.runs.iter().zip(&most.runs).map(line);
