@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use common::{Row, camera, film, hole, material, scene, sphere, table};
 use glam::DVec3;
+use warpfront::geometry::PrimitiveId;
 use warpfront::light::{Incoming, Lensed, Lights, Receiver, Sight};
 use warpfront::scene::Baked;
 use warpfront::shade::{Key, Sampler};
@@ -32,7 +33,7 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     let directions: Vec<DVec3> = rows.iter().map(|row| row.vector(["dx0", "dx1", "dx2"])).collect();
     // Which side of the surface is lit is of no interest: a normal halfway to all images.
     let normal = directions.iter().sum::<DVec3>().normalize_or(DVec3::Z);
-    let receiver = Receiver { place: sight.place(x), normal };
+    let receiver = Receiver { place: sight.place(x), normal, on: PrimitiveId::NONE };
     let sampler = Sampler::sobol(1);
     let mut sums = vec![0.0; rows.len()];
     for sample in 0..SAMPLES {

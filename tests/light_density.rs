@@ -48,7 +48,8 @@ impl Lit {
             if let Outcome::Landed(landing) = shoot(&self.scene, &[from])[0].end {
                 let normal = self.normal(&landing);
                 let normal = normal * -landing.direction.dot(normal).signum();
-                let receiver = Receiver { place: self.sight.place(landing.position), normal };
+                let on = landing.primitive;
+                let receiver = Receiver { place: self.sight.place(landing.position), normal, on };
                 found.push((receiver, landing.primitive));
             }
             from.direction = random.direction();

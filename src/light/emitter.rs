@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::Emission;
+use super::{Emission, Receiver};
 use crate::geometry::{PrimitiveId, Shape, Sphere};
 use crate::math::frame::tangents;
 use crate::math::turn;
@@ -76,15 +76,33 @@ pub struct Spot {
 
 /// Where an emitter is looked at from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// Distance of the onlooker, scene units.
-    pub distance: f64,
-    /// Unit direction in which light is followed to the middle of the emitter.
-    pub direction: DVec3,
-    /// Whether that direction is exact; a guess misses parts of what can be seen.
-    pub is_exact: bool,
+pub enum View {
+    /// From where any of its points may be seen: from inside a sphere, or from itself.
+    Everywhere,
+    /// From outside.
+    Outside {
+        /// Distance of the onlooker from the middle, scene units.
+        distance: f64,
+        /// Unit direction in which light is followed to the middle of the emitter.
+        direction: DVec3,
+        /// Whether that direction is exact; a guess misses parts of what can be seen.
+        is_exact: bool,
+    },
 }
 
+/// Where a place is, relative to an emitter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standpoint {
+    /// Inside the sphere that the emitter is, or on its inner side.
+    Inside,
+    /// On its outer side.
+    Upon,
+    /// Apart from it; anywhere, if the emitter is no sphere.
+    Apart,
+}
+
+/// How near a sphere a place lies on it, relative to the radius: what coincides with the sphere does so but for rounding.
+const ON: f64 = 1e-9;
 /// Share of points spread evenly over a sphere of which only a guess says which side is seen.
 const EVEN: f64 = 0.1;
 
@@ -111,11 +129,23 @@ impl Emitter {
         matches!(self.form, Form::Whole(Shape::Sphere(_)))
     }
 
+    /// Where a receiver is. Which side of a sphere it is on is decided here alone, and for what lies on the sphere by the
+    /// side that it looks to: its distance from the centre is the radius but for rounding.
+    pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
+        let Some(sphere) = self.sphere() else { return Standpoint::Apart };
+        let from = receiver.place.position - sphere.center;
+        let excess = from.length_squared() / (sphere.radius * sphere.radius) - 1.0;
+        if receiver.on != self.primitive && excess.abs() > ON {
+            return if excess > 0.0 { Standpoint::Apart } else { Standpoint::Inside };
+        }
+        if receiver.normal.dot(from) > 0.0 { Standpoint::Upon } else { Standpoint::Inside }
+    }
+
     /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
     /// and of a sphere from the side on which the place is.
-    pub fn is_lit_by(&self, cos: f64, place: DVec3) -> bool {
+    pub fn is_lit_by(&self, cos: f64, standpoint: Standpoint) -> bool {
         let is_front = match self.sphere() {
-            Some(sphere) => place.distance_squared(sphere.center) > sphere.radius * sphere.radius,
+            Some(_) => standpoint != Standpoint::Inside,
             None => cos > 0.0,
         };
         (cos > 0.0) == is_front && cos != 0.0 && (is_front || self.both_sides)
@@ -126,7 +156,7 @@ impl Emitter {
         let on = |sphere: Sphere, normal: DVec3| (sphere.center + sphere.radius * normal, normal);
         let (position, normal) = match self.form {
             Form::Cap(sphere, cap) => on(sphere, around(cap.axis, u * cap.height, v)),
-            Form::Whole(Shape::Sphere(sphere)) => on(sphere, sphere_normal(&sphere, view, u, v)?),
+            Form::Whole(Shape::Sphere(sphere)) => on(sphere, sphere_normal(&sphere, view, u, v)),
             Form::Whole(Shape::Disk(disk)) => {
                 let (tangent, bitangent) = tangents(disk.normal);
                 let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
@@ -193,39 +223,56 @@ fn around(axis: DVec3, height: f64, v: f64) -> DVec3 {
     sin * (c * tangent + s * bitangent) + (1.0 - height) * axis
 }
 
-/// (R/d)², and 1 − cos of the angle under which a sphere is seen; `None` from inside.
-fn cone(sphere: &Sphere, view: &View) -> Option<(f64, f64)> {
-    let sin2 = (sphere.radius / view.distance).powi(2);
-    (sin2 < 1.0).then(|| (sin2, sin2 / (1.0 + (1.0 - sin2).sqrt())))
+/// A sphere seen from outside.
+struct Cone {
+    /// Distance of the onlooker from the middle over the radius.
+    distance: f64,
+    /// The square of that less 1.
+    excess: f64,
+    /// 1 − cos of the angle under which the sphere is seen.
+    height: f64,
+    /// Unit direction to the middle.
+    direction: DVec3,
+    /// Share of points spread evenly over the sphere.
+    even: f64,
+}
+
+impl Cone {
+    /// `None` where any point may be seen.
+    fn of(sphere: &Sphere, view: &View) -> Option<Self> {
+        let View::Outside { distance, direction, is_exact } = *view else { return None };
+        let k = distance / sphere.radius;
+        let excess = ((distance - sphere.radius) / sphere.radius) * (k + 1.0);
+        let height = 1.0 / (k * (k + excess.sqrt()));
+        let even = if is_exact { 0.0 } else { EVEN };
+        (excess > 0.0).then_some(Self { distance: k, excess, height, direction, even })
+    }
 }
 
 /// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any point
-/// from inside, and now and then where the view is a guess.
-fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> Option<DVec3> {
-    let even = if view.is_exact { 0.0 } else { EVEN };
-    let cone = cone(sphere, view);
-    if cone.is_none() || u < even {
-        let u = if cone.is_none() { u } else { u / even };
-        return Some(around(DVec3::Z, 2.0 * u, v));
+/// where any may be seen, and now and then where the view is a guess.
+fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
+    let Some(cone) = Cone::of(sphere, view) else { return around(DVec3::Z, 2.0 * u, v) };
+    if u < cone.even {
+        return around(DVec3::Z, 2.0 * u / cone.even, v);
     }
-    let (sin2, height) = cone?;
-    let u = (u - even) / (1.0 - even);
-    // The ray at the angle θ to the middle meets the sphere at the angle α, seen from the centre
-    // [Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th ed., 6.2.4].
-    let less = u * height;
-    let sin2_theta = less * (2.0 - less);
-    let distance = 1.0 / sin2.sqrt();
-    let cos_alpha = sin2_theta * distance + (1.0 - less) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
-    Some(around(-view.direction, 1.0 - cos_alpha.min(1.0), v))
+    let u = (u - cone.even) / (1.0 - cone.even);
+    // The ray at the angle θ to the middle meets the sphere after t radii, at the angle α seen from the centre.
+    let less = u * cone.height;
+    let (cos, sin2) = (1.0 - less, less * (2.0 - less));
+    let root = (1.0 - cone.distance * cone.distance * sin2).max(0.0).sqrt();
+    let t = cone.excess / (cone.distance * cos + root);
+    let sin2_alpha = (t * t * sin2).min(1.0);
+    around(-cone.direction, sin2_alpha / (1.0 + (1.0 - sin2_alpha).sqrt()), v)
 }
 
 /// Density over the area of [`sphere_normal`].
 fn sphere_density(sphere: &Sphere, view: &View, normal: DVec3) -> f64 {
     let even = 1.0 / (4.0 * PI * sphere.radius * sphere.radius);
-    let Some((_, height)) = cone(sphere, view) else { return even };
-    let offset = view.distance * view.direction + sphere.radius * normal;
+    let Some(cone) = Cone::of(sphere, view) else { return even };
+    let offset = sphere.radius * (cone.distance * cone.direction + normal);
     let distance2 = offset.length_squared();
     let cos = -offset.dot(normal) / distance2.sqrt();
-    let seen = if cos > 0.0 { cos / (TAU * height * distance2) } else { 0.0 };
-    if view.is_exact { seen } else { EVEN * even + (1.0 - EVEN) * seen }
+    let seen = if cos > 0.0 { cos / (TAU * cone.height * distance2) } else { 0.0 };
+    cone.even * even + (1.0 - cone.even) * seen
 }

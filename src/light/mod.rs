@@ -23,7 +23,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-pub use emitter::{Cap, Emitter, Form, Spot, View};
+pub use emitter::{Cap, Emitter, Form, Spot, Standpoint, View};
 pub use guide::{Guide, Neighbourhood, Photon};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
@@ -90,13 +90,15 @@ pub enum Incoming {
     Irradiance(Vec3),
 }
 
-/// A surface that is lit: where, and its unit normal on the side that is looked at.
+/// A surface that is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receiver {
     /// The point.
     pub place: Place,
-    /// The normal.
+    /// Unit normal on the side that is lit.
     pub normal: DVec3,
+    /// The primitive that the point lies on.
+    pub on: PrimitiveId,
 }
 
 impl Lights {
@@ -236,11 +238,12 @@ impl Lights {
         };
         let middle = sight.place(emitter.middle());
         let (winding, odds) = choose_winding(sight, x, &middle, u[1])?;
-        let view = view(sight, emitter, x, &middle, winding);
+        let standpoint = emitter.standpoint(receiver);
+        let view = view(sight, (emitter, standpoint), x, &middle, winding);
         let spot = emitter.sample(&view, u[2], u[3])?;
         let link = sight.link(x, &sight.place(spot.position), winding)?;
         let cos = -link.arrival.dot(spot.normal);
-        if !emitter.is_lit_by(cos, x.position) {
+        if !emitter.is_lit_by(cos, standpoint) {
             return None;
         }
         let density = share * chance * odds * spot.density / (link.spread * cos.abs());
@@ -286,8 +289,8 @@ impl Lights {
         let Some(&index) = self.by_primitive.get(&primitive) else { return 0.0 };
         let emitter = &self.emitters[index as usize];
         let x = &receiver.place;
-        let cos = -arrival.dot(normal);
-        if !emitter.is_lit_by(cos, x.position) {
+        let (cos, standpoint) = (-arrival.dot(normal), emitter.standpoint(receiver));
+        if !emitter.is_lit_by(cos, standpoint) {
             return 0.0;
         }
         let chance = self.tree.probability(index, x.position, Some(receiver.normal));
@@ -299,7 +302,8 @@ impl Lights {
         }
         let middle = sight.place(emitter.middle());
         let odds = sight.odds(x, &middle, winding);
-        let density = emitter.density(&view(sight, emitter, x, &middle, winding), normal);
+        let view = view(sight, (emitter, standpoint), x, &middle, winding);
+        let density = emitter.density(&view, normal);
         let density = self.shares()[0] * chance * odds * density / (spread * cos.abs());
         if density.is_finite() { density } else { 0.0 }
     }
@@ -340,11 +344,17 @@ fn choose_winding(sight: &dyn Sight, x: &Place, y: &Place, u: f64) -> Option<(u3
 }
 
 /// How `x` looks at an emitter whose middle is at `middle`.
-fn view(sight: &dyn Sight, emitter: &Emitter, x: &Place, middle: &Place, winding: u32) -> View {
-    if !emitter.needs_view() {
-        return View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
+fn view(
+    sight: &dyn Sight,
+    (emitter, standpoint): (&Emitter, Standpoint),
+    x: &Place,
+    middle: &Place,
+    winding: u32,
+) -> View {
+    if !emitter.needs_view() || standpoint != Standpoint::Apart {
+        return View::Everywhere;
     }
-    View {
+    View::Outside {
         distance: sight.distance(x, middle, winding),
         direction: sight.aim(x, middle, winding),
         is_exact: sight.is_straight(),

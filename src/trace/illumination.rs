@@ -125,7 +125,8 @@ impl Illumination {
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
     /// normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
-        let receiver = Receiver { place: self.sight.place(vertex.position), normal: vertex.normal };
+        let receiver =
+            Receiver { place: self.sight.place(vertex.position), normal: vertex.normal, on: vertex.leaves };
         let near = self.near(&receiver);
         if vertex.is_bent {
             let density = |near: Neighbourhood| near.share * near.density(vertex.position, vertex.direction);

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::flock::Flock;
@@ -123,8 +122,7 @@ impl Shower<'_> {
         let total = *self.powers.last()?;
         let emitter = self.powers.partition_point(|&below| below <= choice * total);
         let emitter = self.lights.emitters().get(emitter)?;
-        let everywhere = View { distance: 0.0, direction: DVec3::ZERO, is_exact: true };
-        let spot = emitter.sample(&everywhere, u, v)?;
+        let spot = emitter.sample(&View::Everywhere, u, v)?;
         let flips = emitter.both_sides && emitter.sphere().is_none() && back < 0.5;
         let outwards = if flips { -spot.normal } else { spot.normal };
         let [u, v, ..] = self.numbers(index, 1).map(f64::from);

@@ -34,14 +34,14 @@ pub fn chance(path: &Path) -> f64 {
     f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
 }
 
-/// A ray from `position` to a light, from four numbers in [0, 1); `None` if it would bring nothing.
+/// A ray from where a path lands to a light, from four numbers in [0, 1); `None` if it would bring nothing.
 #[inline]
 pub fn propose(
     job: &Job,
     illumination: &Illumination,
     path: &Path,
     incidence: &Incidence,
-    position: DVec3,
+    landing: &Landing,
     numbers: [f32; 4],
 ) -> Option<LightRay> {
     let material = &job.scene.materials[incidence.material as usize];
@@ -54,7 +54,11 @@ pub fn propose(
         return None;
     }
     numbers[0] /= chance;
-    let receiver = Receiver { place: illumination.sight.place(position), normal: incidence.facing().0 };
+    let receiver = Receiver {
+        place: illumination.sight.place(landing.position),
+        normal: incidence.facing().0,
+        on: landing.primitive,
+    };
     let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
     // What is 0/0 where images merge is 0: the surface finds it.

@@ -43,7 +43,7 @@ pub fn shade(
         return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     }
     let (depth, chance) = (path.depth + 1, light::chance(path));
-    let light_ray = propose(job, illumination, path, &incidence, landing.position, numbers.light);
+    let light_ray = propose(job, illumination, path, &incidence, landing, numbers.light);
     let bounce = scatter(job, path, &incidence, numbers.ray);
     *vertex = Vertex {
         position: landing.position,
