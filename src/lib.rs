@@ -32,7 +32,8 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`.
+//! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`; all
+//! that says something uses [`text`].
 #![warn(clippy::all)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
@@ -48,6 +49,7 @@ pub mod scene;
 pub mod shade;
 pub mod spacetime;
 pub mod study;
+pub mod text;
 pub mod trace;
 
 /// The README, whose Rust blocks are tests.

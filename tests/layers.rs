@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset → light → shade,
-/// geometry → geodesic → spacetime → math.
+/// geometry → geodesic → spacetime → math; `text` is for all that says something.
 const ALLOWED: [(&str, &[&str]); 13] = [
     ("math", &[]),
     ("spacetime", &["math"]),
@@ -12,13 +12,16 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("geometry", &["geodesic", "math"]),
     ("shade", &["math"]),
     ("light", &["shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("asset", &["light", "geometry", "shade", "math"]),
-    ("film", &["math"]),
-    ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
+    ("asset", &["light", "geometry", "shade", "math", "text"]),
+    ("film", &["math", "text"]),
+    ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math", "text"]),
     ("trace", &["scene", "film", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("plot", &["film"]),
-    ("study", &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math"]),
-    ("cli", &["study", "trace", "scene", "film", "plot", "light", "shade", "geometry"]),
+    (
+        "study",
+        &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math", "text"],
+    ),
+    ("cli", &["study", "trace", "scene", "film", "plot", "light", "shade", "geometry", "text"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

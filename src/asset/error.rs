@@ -4,12 +4,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::files::Files;
+use crate::text;
 
 /// An asset file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// The file cannot be read from disk.
-    #[error("{}: cannot be read: {source}\n   = help: check that the file exists; paths in a scene file are relative to that file", path.display())]
+    #[error(
+        "{}: cannot be read: {source}\n   = help: check that the file exists; paths in a scene file are relative to that file",
+        name(path)
+    )]
     Read {
         /// The file.
         path: PathBuf,
@@ -17,7 +21,7 @@ pub enum AssetError {
         source: io::Error,
     },
     /// The file was read, but its content cannot be used.
-    #[error("{}: {problem}\n   = help: {help}", path.display())]
+    #[error("{}: {}\n   = help: {}", name(path), text::line(problem), text::line(help))]
     Content {
         /// The file.
         path: PathBuf,
@@ -26,6 +30,11 @@ pub enum AssetError {
         /// What to do about it.
         help: String,
     },
+}
+
+/// A path as a message shows it.
+fn name(path: &Path) -> String {
+    text::quoted(&path.display().to_string()).into_owned()
 }
 
 impl AssetError {

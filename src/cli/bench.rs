@@ -9,7 +9,7 @@ use super::prefixed::{Files, names, with_suffix};
 use super::progress::Bar;
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, print, say};
+use super::{Outcome, print, say, say_warnings};
 use crate::film::atomic::Output;
 use crate::plot::Figure;
 use crate::scene::{self, Baked, SpacetimeKind};
@@ -27,9 +27,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     let outputs = outputs.transpose()?;
     let (path, changes) = (&args.scene.path, &args.scene.changes);
     let mut scene = scene::load_with(path, &changes.options())?;
-    for warning in &scene.warnings {
-        say(format!("warning: {warning}"));
-    }
+    say_warnings(&scene.warnings);
     args.apply(&mut scene.settings);
     let (scenes, plan) = plan(args, scene)?;
 

@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::same_file;
 use super::units::{plural, significant};
-use super::{Outcome, print, say};
+use super::{Outcome, print, print_json, say};
 use crate::film::atomic::Output;
 use crate::film::{read_exr, write_exr, write_rgb8};
 use crate::study::compare::{Channel, Comparison, DECADES, EPSILON, Pair, Verdict};
@@ -32,13 +32,11 @@ pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
     let pair = Pair::new((&name_a, &a), (&name_b, &b))?;
     let report = Report { a: &name_a, b: &name_b, epsilon: EPSILON, comparison: pair.compare() };
 
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&report);
-        json.map_err(|error| Failure::new(format!("cannot express the numbers as JSON: {error}")))? + "\n"
+    if args.json {
+        print_json(&report)?;
     } else {
-        report.text()
-    };
-    print(&text)?;
+        print(&report.text())?;
+    }
     if let Some(exr) = exr {
         let mut difference = pair.difference();
         difference.attributes = vec![("difference".to_owned(), format!("{name_a} - {name_b}"))];

@@ -9,7 +9,7 @@ use super::args::InfoArgs;
 use super::failure::Failure;
 use super::stages::{self, Stage};
 use super::units::{bytes, plural};
-use super::{Outcome, cost, memory, print};
+use super::{Outcome, cost, memory, print, print_json, shown};
 use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, Schedule, Settings, SpacetimeKind, flag_name};
@@ -26,13 +26,11 @@ pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     args.settings.apply(&mut scene.settings);
     let run = args.share.resolve(scene.settings.width, scene.settings.height)?;
     let report = Report::of(args.scene.path.display().to_string(), &scene, &run);
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&report);
-        json.map_err(|error| Failure::new(format!("cannot express the scene as JSON: {error}")))? + "\n"
+    if args.json {
+        print_json(&report)?;
     } else {
-        report.text()
-    };
-    print(&text)?;
+        print(&report.text())?;
+    }
     Ok(Outcome::Good)
 }
 
@@ -151,7 +149,7 @@ impl<'a> Report<'a> {
             let state = if stage.runs { "runs" } else { "not run" };
             ("stage", format!("{:<10} {state:<8} {}", stage.name, stage.why))
         }));
-        rows.extend(self.warnings.iter().map(|warning| ("warning", warning.clone())));
+        rows.extend(shown(self.warnings).map(|warning| ("warning", warning)));
         rows.iter().fold(String::new(), |mut text, (label, value)| {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{label:<12} {value}");

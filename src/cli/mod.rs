@@ -33,8 +33,10 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::Parser;
+use serde::Serialize;
 
 use crate::math::simd;
+use crate::text;
 use args::{Cli, Command};
 use failure::Failure;
 
@@ -54,8 +56,7 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            // The help or message could not be printed: there is nobody to tell.
-            let _ = error.print();
+            print_usage(&error);
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
     };
@@ -85,13 +86,49 @@ fn run(cli: &Cli) -> Result<Outcome, Failure> {
     }
 }
 
-/// A line on stderr; unlike `eprintln!` it does not panic when nobody reads it.
-fn say(line: impl Display) {
-    let _ = writeln!(io::stderr(), "{line}");
+/// Prints help, or what is wrong with the arguments: in colour, unless an argument is not fit for a terminal.
+fn print_usage(error: &clap::Error) {
+    let plain = error.render().to_string();
+    if error.use_stderr() && text::lines(&plain) != plain {
+        return say(plain.trim_end());
+    }
+    // If nobody reads it there is nobody to tell.
+    let _ = error.print();
 }
 
-/// Prints the result of a command on stdout; a reader that has gone away, as `head` does, is no failure.
+/// Lines on stderr, fit for a terminal; unlike `eprintln!` it does not panic when nobody reads them.
+fn say(lines: impl Display) {
+    let _ = writeln!(io::stderr(), "{}", text::lines(&lines.to_string()));
+}
+
+/// Says what a scene's files were not understood to the letter for, one line each.
+fn say_warnings(warnings: &[String]) {
+    shown(warnings).for_each(|warning| say(format!("warning: {warning}")));
+}
+
+/// Warnings, each on one line; of very many the first ones and how many more there are.
+fn shown(warnings: &[String]) -> impl Iterator<Item = String> {
+    /// Warnings in full.
+    const MOST: usize = 60;
+    let more = warnings.len().saturating_sub(MOST);
+    let more = (more > 0).then(|| format!("and {more} more warnings"));
+    warnings.iter().take(MOST).map(|warning| text::line(warning).into_owned()).chain(more)
+}
+
+/// Prints the result of a command on stdout, fit for a terminal.
 fn print(text: &str) -> Result<(), Failure> {
+    write_stdout(&text::lines(text))
+}
+
+/// Prints a record on stdout.
+fn print_json(record: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(record);
+    let json = json.map_err(|error| Failure::new(format!("cannot express the result as JSON: {error}")))?;
+    write_stdout(&format!("{}\n", text::json(&json)))
+}
+
+/// A reader that has gone away, as `head` does, is no failure.
+fn write_stdout(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {

@@ -8,7 +8,7 @@ use super::args::RaysArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::units::plural;
-use super::{Outcome, say};
+use super::{Outcome, say, say_warnings};
 use crate::film::atomic::Output;
 use crate::plot::Format;
 use crate::scene;
@@ -20,9 +20,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let output = Output::create(&args.output)?;
     let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
     args.accuracy.apply(&mut scene.settings);
-    for warning in &scene.warnings {
-        say(format!("warning: {warning}"));
-    }
+    say_warnings(&scene.warnings);
     let options = FanOptions {
         count: args.count,
         angle: args.fan.map(f64::to_radians),

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::Outputs;
 use super::progress::Bar;
-use super::{Outcome, memory, say, summary};
+use super::{Outcome, memory, say, say_warnings, summary};
 use crate::{scene, trace};
 
 /// Renders a scene and writes the files.
@@ -16,9 +16,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     memory::check(&scene.settings, &run)?;
-    for warning in &scene.warnings {
-        say(format!("warning: {warning}"));
-    }
+    say_warnings(&scene.warnings);
 
     let bar = Bar::new("paths");
     interrupt.render_begins();

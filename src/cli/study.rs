@@ -17,7 +17,7 @@ use super::rays_table::Columns;
 use super::shared_args::distinct;
 use super::table::{Table, line};
 use super::units::plural;
-use super::{Outcome, print, say};
+use super::{Outcome, print, say, say_warnings};
 use crate::scene::{self, Baked, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
@@ -78,9 +78,7 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 /// The scene in the size of the study; says what is wrong with it.
 fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
     let mut scene = scene::load_with(path, &args.changes.options())?;
-    for warning in &scene.warnings {
-        say(format!("warning: {warning}"));
-    }
+    say_warnings(&scene.warnings);
     (scene.settings.width, scene.settings.height) = args.size;
     Ok(scene)
 }

@@ -6,12 +6,13 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::asset::AssetError;
+use crate::text;
 
 /// A scene that cannot be rendered.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file cannot be read from disk.
-    #[error("{}: cannot be read: {source}\n   = help: check the path", path.display())]
+    #[error("{}: cannot be read: {source}\n   = help: check the path", name(path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -19,13 +20,13 @@ pub enum SceneError {
         source: io::Error,
     },
     /// The file's extension is not that of a scene.
-    #[error("{}: not a scene file\n   = help: a scene is a .toml, .gltf, .glb or .obj file", path.display())]
+    #[error("{}: not a scene file\n   = help: a scene is a .toml, .gltf, .glb or .obj file", name(path))]
     UnknownType {
         /// The file.
         path: PathBuf,
     },
     /// A place in the scene file is wrong.
-    #[error("{}:{place}\n   = help: {help}", path.display())]
+    #[error("{}:{place}\n   = help: {}", name(path), text::lines(help))]
     Located {
         /// The scene file.
         path: PathBuf,
@@ -35,7 +36,7 @@ pub enum SceneError {
         help: String,
     },
     /// The scene as a whole is wrong.
-    #[error("{}: {problem}\n   = help: {help}", path.display())]
+    #[error("{}: {}\n   = help: {}", name(path), text::line(problem), text::line(help))]
     Whole {
         /// The scene file.
         path: PathBuf,
@@ -45,7 +46,7 @@ pub enum SceneError {
         help: String,
     },
     /// An override is malformed or leads nowhere.
-    #[error("--set {text}: {problem}\n   = help: {help}")]
+    #[error("--set {}: {}\n   = help: {}", text::quoted(text), text::line(problem), text::line(help))]
     Override {
         /// The override as given.
         text: String,
@@ -57,6 +58,11 @@ pub enum SceneError {
     /// A geometry or image file is wrong.
     #[error(transparent)]
     Asset(#[from] AssetError),
+}
+
+/// A path as a message shows it.
+fn name(path: &Path) -> String {
+    text::quoted(&path.display().to_string()).into_owned()
 }
 
 /// A problem at a place of a text file; displays as the position, the problem, and the source line with a caret.
@@ -99,13 +105,44 @@ fn floor_boundary(text: &str, index: usize) -> usize {
     (0..=index.min(text.len())).rev().find(|&index| text.is_char_boundary(index)).unwrap_or(0)
 }
 
+/// Characters of a line that are shown before and after the start of its caret.
+const BEFORE_CARET: usize = 80;
+const AFTER_CARET: usize = 120;
+
+impl Place {
+    /// The line around the caret, and the caret's column in it and width, in characters as they are shown.
+    fn window(&self) -> (String, usize, usize) {
+        let start = self.column - 1;
+        let first = start.saturating_sub(BEFORE_CARET);
+        let characters = self.source_line.chars().skip(first);
+        let (mut window, mut column, mut width) = (String::new(), 0, 0);
+        if first > 0 {
+            window.push('…');
+            column += 1;
+        }
+        for (index, c) in (first..).zip(characters) {
+            if index == start + AFTER_CARET {
+                window.push('…');
+                break;
+            }
+            let shown: String = if c == '\t' { ' '.to_string() } else { text::shown(c).collect() };
+            let cells = shown.chars().count();
+            column += if index < start { cells } else { 0 };
+            width += if (start..start + self.width).contains(&index) { cells } else { 0 };
+            window.push_str(&shown);
+        }
+        (window, column, width.max(1))
+    }
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let gutter = self.line.to_string().len();
-        writeln!(f, "{}:{}: {}", self.line, self.column, self.problem)?;
+        let (window, column, width) = self.window();
+        writeln!(f, "{}:{}: {}", self.line, self.column, text::line(&self.problem))?;
         writeln!(f, "{:gutter$} |", "")?;
-        writeln!(f, "{} | {}", self.line, self.source_line)?;
-        write!(f, "{:gutter$} | {:pad$}{}", "", "", "^".repeat(self.width), pad = self.column - 1)
+        writeln!(f, "{} | {window}", self.line)?;
+        write!(f, "{:gutter$} | {:column$}{}", "", "", "^".repeat(width))
     }
 }
 
@@ -197,6 +234,20 @@ mod tests {
     fn a_place_shows_its_line_with_a_caret() {
         let place = Place::new("a = 1\nβ = -2\n", 11..13, "must be positive".into());
         assert_eq!(place.to_string(), "2:5: must be positive\n  |\n2 | β = -2\n  |     ^^");
+    }
+
+    #[test]
+    fn a_place_in_a_long_line_shows_what_is_around_the_caret() {
+        let text = format!("{}\tkey\u{1b}{}\n", "a".repeat(1_000_000), "b".repeat(1_000_000));
+        let shown = Place::new(&text, 1_000_001..1_000_005, "odd\nname".into()).to_string();
+        let lines: Vec<&str> = shown.lines().collect();
+        assert_eq!(lines[0], "1:1000002: odd\\nname");
+        assert!(lines[2].starts_with("1 | …aaa") && lines[2].ends_with("bbb…"), "{shown}");
+        assert!(lines.iter().all(|line| line.chars().count() < 250), "{shown}");
+        let caret = |line: &str| line.chars().take_while(|c| *c != '^').count();
+        let key = lines[2].chars().skip(caret(lines[3])).take(9);
+        assert_eq!(key.collect::<String>(), "key\\u{1b}");
+        assert_eq!(lines[3].matches('^').count(), 9);
     }
 
     #[test]
