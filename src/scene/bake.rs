@@ -14,6 +14,7 @@ use super::world::World;
 use super::{Baked, Camera, SpacetimeKind};
 use crate::geometry::{Geometry, Instance, Primitives, Surface};
 use crate::light::Punctual;
+use crate::spacetime::{Chart, Schwarzschild};
 
 /// Dissolves the entities into tables and builds the BVH.
 ///
@@ -33,7 +34,8 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     check_extent(&world, &boxes, &shaped)?;
     let camera = choose_camera(&mut world, &boxes)?;
     check_outside_horizon(&world, &camera)?;
-    let punctual = lights(&world)?;
+    let (punctual, hidden) = lights(&world)?;
+    warn_of_hidden(&mut world, &hidden);
     warn_if_dark(&mut world, &primitives, &punctual);
     Ok(Baked {
         spacetime: world.spacetime,
@@ -92,29 +94,57 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
     Ok((primitives, shaped))
 }
 
-/// The lights without extent in the order of spawning.
-fn lights(world: &World) -> Result<Vec<Punctual>, Fault> {
+/// The lights without extent in the order of spawning; apart from them, the entities of those that no light leaves, since they
+/// are in a black hole.
+fn lights(world: &World) -> Result<(Vec<Punctual>, Vec<Entity>), Fault> {
     let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();
     let mut placed: Vec<_> = query.iter().collect();
     placed.sort_by_key(|(entity, ..)| entity.id());
-    let in_world = |(entity, to_world, light): (Entity, &WorldTransform, &LightShape)| {
-        let light = light_in_world(*light, &to_world.0).ok_or_else(|| {
-            world.fault(
-                entity,
-                "the light's position or direction is not usable",
-                "place it no farther than 1e18 from the origin, with scales that are neither 0 nor huge",
-            )
-        })?;
-        if light.peak().cmple(Vec3::splat(LARGEST as f32)).all() {
-            return Ok(light);
+    let (mut lights, mut hidden) = (Vec::with_capacity(placed.len()), Vec::new());
+    for (entity, to_world, light) in placed {
+        let light = checked_light(world, entity, to_world.0, light)?;
+        if light.position().is_some_and(|position| is_in_hole(world.spacetime, position)) {
+            hidden.push(entity);
+        } else {
+            lights.push(light);
         }
-        Err(world.fault(
+    }
+    Ok((lights, hidden))
+}
+
+fn checked_light(
+    world: &World,
+    entity: Entity,
+    to_world: DAffine3,
+    light: &LightShape,
+) -> Result<Punctual, Fault> {
+    let light = light_in_world(*light, &to_world).ok_or_else(|| {
+        world.fault(
             entity,
-            "the light is brighter than 1e18",
-            "use a smaller intensity or `light_scale`",
-        ))
-    };
-    placed.into_iter().map(in_world).collect()
+            "the light's position or direction is not usable",
+            "place it no farther than 1e18 from the origin, with scales that are neither 0 nor huge",
+        )
+    })?;
+    if light.peak().cmple(Vec3::splat(LARGEST as f32)).all() {
+        return Ok(light);
+    }
+    Err(world.fault(entity, "the light is brighter than 1e18", "use a smaller intensity or `light_scale`"))
+}
+
+/// Whether a point is so near the horizon, or within, that no ray is followed there.
+fn is_in_hole(spacetime: SpacetimeKind, point: DVec3) -> bool {
+    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else { return false };
+    point.distance(center) <= Chart::innermost(&Schwarzschild::new(schwarzschild_radius))
+}
+
+fn warn_of_hidden(world: &mut World, lights: &[Entity]) {
+    let [first, others @ ..] = lights else { return };
+    let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+    let what = format!(
+        "light `{}`{more}: inside the horizon of the black hole, where no light leaves",
+        world.name(*first)
+    );
+    world.warnings.push(what);
 }
 
 fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {

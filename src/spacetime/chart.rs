@@ -31,18 +31,24 @@ impl Fate {
 pub struct Chart {
     /// Inverse of the radius beyond which there is no geometry and no ray turns back; positive.
     pub outer: f64,
-    /// Inverse of the radius within which there is no geometry, or at which a ray has reached the horizon.
+    /// Inverse of the radius within which there is nothing to be met, or at which a ray has reached the horizon.
     pub inner: f64,
 }
 
-/// How close to the horizon a ray is followed if geometry reaches that far, relative to the horizon's radius.
+/// How close to the horizon a ray is followed if there is anything that near, relative to the horizon's radius.
 const HORIZON_MARGIN: f64 = 1e-6;
 
 impl Chart {
-    /// A chart for geometry whose points have isotropic radii between `nearest` and `farthest`.
+    /// A chart for geometry whose points have isotropic radii up to `farthest`, and at least `nearest`, as what else rays are
+    /// to be followed to.
     pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64) -> Self {
-        let horizon = medium.horizon() * (1.0 + HORIZON_MARGIN);
-        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(horizon) }
+        let innermost = Self::innermost(medium);
+        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }
+    }
+
+    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met.
+    pub fn innermost<M: ConformallyFlat>(medium: &M) -> f64 {
+        medium.horizon() * (1.0 + HORIZON_MARGIN)
     }
 
     /// Whether a ray of this fate at the inverse radius `w`, moving inwards at the rate `v` = dw/dψ, need not be

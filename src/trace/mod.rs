@@ -36,6 +36,7 @@ use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
 use crate::geodesic::{Arc, Control};
+use crate::light::Punctual;
 use crate::scene::{Baked, Precision, SpacetimeKind};
 use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use curved::march::march;
@@ -154,7 +155,10 @@ fn with_transport_to<E: Errand>(scene: &Baked, core: f64, sky: bool, errand: E) 
     };
     let medium = Schwarzschild::new(r_s);
     let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest.min(core), farthest) };
+    // Nothing tells a light ray that it has passed a light without extent which it was not followed to.
+    let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
+    let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
+    let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
     match settings.precision {
         Precision::F32 => place.run::<f32, E>(scene, errand),
         Precision::F64 => place.run::<f64, E>(scene, errand),
