@@ -13,7 +13,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("shade", &["math"]),
     ("light", &["shade", "geometry", "geodesic", "spacetime", "math"]),
     ("asset", &["light", "geometry", "shade", "math", "text"]),
-    ("film", &["math", "text"]),
+    ("film", &["asset", "math", "text"]),
     ("scene", &["asset", "light", "shade", "geometry", "geodesic", "spacetime", "math", "text"]),
     ("trace", &["scene", "film", "light", "shade", "geometry", "geodesic", "spacetime", "math"]),
     ("plot", &["film"]),
@@ -21,7 +21,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
         "study",
         &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math", "text"],
     ),
-    ("cli", &["study", "trace", "scene", "film", "plot", "light", "shade", "geometry", "text"]),
+    ("cli", &["study", "trace", "scene", "film", "plot", "asset", "light", "shade", "geometry", "text"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

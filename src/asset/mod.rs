@@ -1,18 +1,22 @@
 //! Files of geometry and images, read into plain tables; every loader says what it does not understand.
 
 mod error;
+pub mod exr;
 mod files;
 mod gltf;
 mod image;
+mod memory;
 mod model;
 mod mtl;
 mod notes;
 mod obj;
+mod primaries;
 mod tidy;
 
 pub use error::{AssetError, Flaw};
 pub use files::Files;
 pub use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
+pub use memory::Memory;
 pub use model::{Lens, Model, Node, Part};
 pub use obj::load as load_obj;

@@ -9,7 +9,9 @@ use super::bench_args::BenchArgs;
 use super::parse;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
-use super::shared_args::{AccuracyArgs, ChangeArgs, OutputArgs, RunArgs, SceneArgs, SettingArgs, ShareArgs};
+use super::shared_args::{
+    AccuracyArgs, ChangeArgs, MemoryArgs, OutputArgs, ReadArgs, RunArgs, SceneArgs, SettingArgs, ShareArgs,
+};
 use crate::math::simd::SimdLevel;
 use crate::scene::{LightSampling, Precision, Schedule, Settings, StepperKind};
 use crate::study::free::Accuracy;
@@ -110,6 +112,8 @@ pub(super) struct CompareArgs {
     /// Exit with 1 unless the colours are identical or the same within noise
     #[arg(long)]
     pub(super) strict: bool,
+    #[command(flatten)]
+    pub(super) memory: MemoryArgs,
 }
 
 /// Arguments of `rays`.
@@ -148,6 +152,8 @@ pub(super) struct StudyArgs {
     pub(super) scene: Option<PathBuf>,
     #[command(flatten)]
     pub(super) changes: ChangeArgs,
+    #[command(flatten)]
+    pub(super) reads: ReadArgs,
     /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of exact
     /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens
     #[arg(

@@ -9,7 +9,7 @@ use super::prefixed::{Files, names, with_suffix};
 use super::progress::Bar;
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, print, say, say_warnings};
+use super::{Outcome, overwrite, print, say, say_warnings};
 use crate::film::atomic::Output;
 use crate::plot::Figure;
 use crate::scene::{self, Baked, SpacetimeKind};
@@ -25,8 +25,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
         Ok((Files::open(prefix)?, Output::create(&with_suffix(prefix, "json"))?))
     });
     let outputs = outputs.transpose()?;
-    let (path, changes) = (&args.scene.path, &args.scene.changes);
-    let mut scene = scene::load_with(path, &changes.options())?;
+    let path = &args.scene.path;
+    let options = args.scene.options()?;
+    let mut scene = scene::load_with(path, &options)?;
+    if let Some((files, json)) = &outputs {
+        overwrite::refuse(files.paths().chain([json.path()]), &options.files.opened())?;
+    }
     say_warnings(&scene.warnings);
     args.apply(&mut scene.settings);
     let (scenes, plan) = plan(args, scene)?;

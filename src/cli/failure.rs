@@ -42,7 +42,7 @@ impl From<OutputError> for Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        Self::new(error.to_string()).help("give an OpenEXR picture, such as `render` writes")
+        Self::new(error.to_string()).help(error.flaw.help)
     }
 }
 

@@ -22,7 +22,7 @@ const PROBE: Duration = Duration::from_secs(1);
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
-    let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
+    let mut scene = scene::load_with(&args.scene.path, &args.scene.options()?)?;
     args.settings.apply(&mut scene.settings);
     let run = args.share.resolve(scene.settings.width, scene.settings.height)?;
     let report = Report::of(args.scene.path.display().to_string(), &scene, &run);

@@ -9,7 +9,8 @@ use super::progress::Bar;
 use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, print, say};
-use crate::film::read_exr;
+use crate::asset::Files as AssetFiles;
+use crate::film::read_exr_with;
 use crate::light::Lights;
 use crate::scene::Baked;
 use crate::study::lights::{Plan, Source, sweep};
@@ -33,7 +34,7 @@ pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> 
     };
     let largest = plan.spps.iter().copied().max().unwrap_or(1);
     let source = match &args.reference {
-        Some(path) => Source::Given(given(path, args.size)?),
+        Some(path) => Source::Given(given(args, path)?),
         None => Source::Rendered(args.reference_spp.unwrap_or(largest.saturating_mul(REFERENCE))),
     };
 
@@ -48,10 +49,11 @@ pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> 
     Ok(Outcome::Good)
 }
 
-/// The reference at `path`, for pictures of `size` pixels.
-fn given(path: &Path, size: (usize, usize)) -> Result<Reference, Failure> {
+/// The reference at `path`, for pictures of the study's size.
+fn given(args: &StudyArgs, path: &Path) -> Result<Reference, Failure> {
     let name = path.display().to_string();
-    let reference = Reference::given(read_exr(path)?, &name, size)?;
+    let image = read_exr_with(path, &AssetFiles::within(args.reads.memory()))?;
+    let reference = Reference::given(image, &name, args.size)?;
     if reference.noise.is_none() {
         say(format!("warning: `{name}` has no variances (--aov variance): its noise counts as error"));
     }

@@ -1,9 +1,7 @@
 //! Whether a picture fits in memory, asked before it is allocated.
 
-use sysinfo::{MemoryRefreshKind, RefreshKind, System};
-
 use super::failure::Failure;
-use super::units::bytes;
+use crate::asset::Memory;
 use crate::film::BEAUTY;
 use crate::scene::Settings;
 use crate::trace::Run;
@@ -26,27 +24,13 @@ fn size(settings: &Settings, run: &Run) -> (usize, usize) {
     run.crop.map_or((settings.width, settings.height), |[x0, y0, x1, y1]| (x1 - x0, y1 - y0))
 }
 
-/// Bytes that are free, the limits of a container included; `None` where the system does not tell.
-fn available() -> Option<u64> {
-    let memory = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
-    let system = System::new_with_specifics(memory);
-    let free = system.available_memory();
-    let allowed = system.cgroup_limits().map_or(free, |limits| limits.free_memory);
-    (free > 0).then_some(free.min(allowed))
-}
-
 /// Refuses a film that would not fit.
-pub(super) fn check(settings: &Settings, run: &Run) -> Result<(), Failure> {
-    let ((width, height), needed) = (size(settings, run), film_bytes(settings, run));
-    match available() {
-        Some(free) if needed > free => Err(Failure::new(format!(
-            "a film of {width}x{height} pixels needs {} of memory, and {} are free",
-            bytes(needed),
-            bytes(free)
-        ))
-        .help("give a smaller --size, a --crop, or fewer planes in --aov")),
-        _ => Ok(()),
-    }
+pub(super) fn check(settings: &Settings, run: &Run, memory: &Memory) -> Result<(), Failure> {
+    let (width, height) = size(settings, run);
+    memory.check(format!("a film of {width}x{height} pixels"), film_bytes(settings, run)).map_err(|flaw| {
+        Failure::new(flaw.problem)
+            .help("give a smaller --size, a --crop, fewer planes in --aov, or more with --max-memory")
+    })
 }
 
 #[cfg(test)]
@@ -73,9 +57,9 @@ mod tests {
     #[test]
     fn a_film_beyond_all_memory_is_refused_and_its_crop_is_not() {
         let settings = Settings { width: 1 << 31, height: 1 << 31, ..Settings::default() };
-        let message = check(&settings, &Run::default()).unwrap_err().to_string();
+        let message = check(&settings, &Run::default(), &Memory::default()).unwrap_err().to_string();
         assert!(message.contains("2147483648x2147483648") && message.contains("--size"), "{message}");
         let crop = Run { crop: Some([5, 5, 10, 10]), ..Run::default() };
-        assert!(check(&settings, &crop).is_ok());
+        assert!(check(&settings, &crop, &Memory::default()).is_ok());
     }
 }

@@ -12,6 +12,7 @@ mod interrupt;
 mod light_study;
 mod memory;
 mod outputs;
+mod overwrite;
 mod parse;
 mod prefixed;
 mod progress;

@@ -49,11 +49,14 @@ impl Outputs {
         })
     }
 
+    /// Where they go.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
+        [Some(&self.exr), self.png.as_ref(), self.stats.as_ref()].into_iter().flatten().map(Output::path)
+    }
+
     /// Their paths, as the user named them.
     pub(super) fn names(&self) -> String {
-        let all = [Some(&self.exr), self.png.as_ref(), self.stats.as_ref()];
-        let names: Vec<String> =
-            all.iter().flatten().map(|output| output.path().display().to_string()).collect();
+        let names: Vec<String> = self.paths().map(|path| path.display().to_string()).collect();
         names.join(", ")
     }
 

@@ -81,6 +81,23 @@ pub(super) fn exposure(text: &str) -> Result<f64, String> {
     stops.ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
 }
 
+/// A number of bytes: `8G`, `1.5GiB`, `500MB`; units are binary.
+pub(super) fn memory(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let end = text.find(|letter: char| letter.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let shift = match unit.to_ascii_lowercase().trim_end_matches('b').trim_end_matches('i') {
+        "" => Some(0),
+        "k" => Some(10),
+        "m" => Some(20),
+        "g" => Some(30),
+        "t" => Some(40),
+        _ => None,
+    };
+    let bytes = shift.zip(positive(number).ok()).map(|(shift, number)| number * (1u64 << shift) as f64);
+    bytes.map(|bytes| bytes as u64).ok_or_else(|| "give a size such as 8G, 1.5GiB or 500M".to_owned())
+}
+
 /// `WxH` in pixels.
 pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
     let side = |side: &str| whole(side.trim(), 1..=MAX_SIDE).ok().map(|pixels| pixels as usize);
@@ -201,6 +218,17 @@ fn with_extension(text: &OsStr, extensions: &[&str]) -> Result<PathBuf, String> 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_of_memory_have_binary_units() {
+        let cases = [("1", 1), ("2k", 2048), ("1.5GiB", 3 << 29), ("500MB", 500 << 20), (" 1 T", 1 << 40)];
+        for (text, bytes) in cases {
+            assert_eq!(memory(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "G", "0", "-1G", "1X", "nan", "inf", "1GG"] {
+            assert!(memory(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn good_values_are_read() {

@@ -24,6 +24,11 @@ impl Files {
         Ok(Self { csv: csv?, svg: svg?, png: png? })
     }
 
+    /// Where they go.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
+        [&self.csv, &self.svg, &self.png].into_iter().map(Output::path)
+    }
+
     /// Writes them all.
     pub(super) fn write(
         self,

@@ -8,7 +8,7 @@ use super::args::RaysArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::units::plural;
-use super::{Outcome, say, say_warnings};
+use super::{Outcome, overwrite, say, say_warnings};
 use crate::film::atomic::Output;
 use crate::plot::Format;
 use crate::scene;
@@ -18,7 +18,9 @@ use crate::study::{Fan, FanError, FanOptions};
 pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let _ends_the_process = Interrupt::install();
     let output = Output::create(&args.output)?;
-    let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
+    let options = args.scene.options()?;
+    let mut scene = scene::load_with(&args.scene.path, &options)?;
+    overwrite::refuse([args.output.as_path()], &options.files.opened())?;
     args.accuracy.apply(&mut scene.settings);
     say_warnings(&scene.warnings);
     let options = FanOptions {

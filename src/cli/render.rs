@@ -5,17 +5,19 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::Outputs;
 use super::progress::Bar;
-use super::{Outcome, memory, say, say_warnings, summary};
+use super::{Outcome, memory, overwrite, say, say_warnings, summary};
 use crate::{scene, trace};
 
 /// Renders a scene and writes the files.
 pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install();
     let outputs = Outputs::open(&args.output)?;
-    let mut scene = scene::load_with(&args.scene.path, &args.scene.changes.options())?;
+    let options = args.scene.options()?;
+    let mut scene = scene::load_with(&args.scene.path, &options)?;
+    overwrite::refuse(outputs.paths(), &options.files.opened())?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
-    memory::check(&scene.settings, &run)?;
+    memory::check(&scene.settings, &run, &options.files.memory())?;
     say_warnings(&scene.warnings);
 
     let bar = Bar::new("paths");

@@ -1,6 +1,6 @@
 //! Groups of arguments that several subcommands take.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
@@ -9,6 +9,7 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use super::failure::Failure;
 use super::parse;
 use super::quality::Quality;
+use crate::asset::{Files, Memory};
 use crate::film::Aov;
 use crate::light::Heuristic;
 use crate::scene::{
@@ -24,6 +25,60 @@ pub(super) struct SceneArgs {
     pub(super) path: PathBuf,
     #[command(flatten)]
     pub(super) changes: ChangeArgs,
+    #[command(flatten)]
+    reads: ReadArgs,
+}
+
+impl SceneArgs {
+    /// What is asked of the scene.
+    pub(super) fn options(&self) -> Result<LoadOptions, Failure> {
+        Ok(self.changes.options(self.reads.files(&self.path)?))
+    }
+}
+
+/// How much memory may be used.
+#[derive(Debug, Default, Args)]
+pub(super) struct MemoryArgs {
+    /// Most memory to use, such as 8G or 500M; what would not fit is an error [default: what the system leaves]
+    #[arg(long, value_name = "SIZE", value_parser = parse::memory, help_heading = "Limits", allow_hyphen_values = true)]
+    max_memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    /// The memory there is.
+    pub(super) fn memory(&self) -> Memory {
+        Memory::at_most(self.max_memory)
+    }
+}
+
+/// What may be read.
+#[derive(Debug, Default, Args)]
+pub(super) struct ReadArgs {
+    #[command(flatten)]
+    memory: MemoryArgs,
+    /// Read no file outside the scene's folder, symbolic links included, as for the scenes of strangers
+    #[arg(long, help_heading = "Limits")]
+    confine: bool,
+}
+
+impl ReadArgs {
+    /// The memory there is.
+    pub(super) fn memory(&self) -> Memory {
+        self.memory.memory()
+    }
+
+    /// What reads the files of the scene at a path.
+    pub(super) fn files(&self, scene: &Path) -> Result<Files, Failure> {
+        let files = Files::within(self.memory.memory());
+        if !self.confine {
+            return Ok(files);
+        }
+        let folder = scene.parent().unwrap_or(Path::new(""));
+        files.confined_to(folder).map_err(|error| {
+            Failure::new(format!("{}: its folder cannot be read: {error}", scene.display()))
+                .help("check the path")
+        })
+    }
 }
 
 /// What is changed in a scene.
@@ -38,13 +93,9 @@ pub(super) struct ChangeArgs {
 }
 
 impl ChangeArgs {
-    /// What is asked of the scene.
-    pub(super) fn options(&self) -> LoadOptions {
-        LoadOptions {
-            overrides: self.overrides.clone(),
-            black_hole: self.black_hole,
-            ..LoadOptions::default()
-        }
+    /// What is asked of the scene, whose files `files` reads.
+    pub(super) fn options(&self, files: Files) -> LoadOptions {
+        LoadOptions { overrides: self.overrides.clone(), black_hole: self.black_hole, files }
     }
 }
 

@@ -17,7 +17,7 @@ use super::rays_table::Columns;
 use super::shared_args::distinct;
 use super::table::{Table, line};
 use super::units::plural;
-use super::{Outcome, print, say, say_warnings};
+use super::{Outcome, overwrite, print, say, say_warnings};
 use crate::scene::{self, Baked, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
         (Some(rays), _) => free(args, rays, Files::open(&args.output)?),
         (None, Some(path)) if !args.light_sampling.is_empty() => {
             let files = Files::open(&args.output)?;
-            light_study::run(args, load(args, path)?, path, files)
+            light_study::run(args, load(args, path, &files)?, path, files)
         }
         (None, Some(scene)) => of_scene(args, scene, Files::open(&args.output)?),
         (None, None) => Err(Failure::new("nothing to study").help("give a SCENE, or --rays RAYS.csv")),
@@ -48,7 +48,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
 
 /// Studies the camera rays of a scene.
 fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Failure> {
-    let mut scene = load(args, path)?;
+    let mut scene = load(args, path, &files)?;
     scene.settings.arc_tolerance = args.arc_tolerance.or(scene.settings.arc_tolerance);
 
     let all = StepperKind::value_variants();
@@ -76,8 +76,10 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 }
 
 /// The scene in the size of the study; says what is wrong with it.
-fn load(args: &StudyArgs, path: &Path) -> Result<Baked, Failure> {
-    let mut scene = scene::load_with(path, &args.changes.options())?;
+fn load(args: &StudyArgs, path: &Path, outputs: &Files) -> Result<Baked, Failure> {
+    let options = args.changes.options(args.reads.files(path)?);
+    let mut scene = scene::load_with(path, &options)?;
+    overwrite::refuse(outputs.paths(), &options.files.opened())?;
     say_warnings(&scene.warnings);
     (scene.settings.width, scene.settings.height) = args.size;
     Ok(scene)
@@ -97,6 +99,7 @@ fn free(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure>
     let settings = ends::grid(&distinct(steppers), &distinct(&args.precisions), &distinct(tolerances));
     some(&settings)?;
 
+    overwrite::refuse(files.paths(), &[rays.to_owned()])?;
     let mut table = Table::open(rays, "ray")?;
     let columns = Columns::find(&table.header, args.spacetime)?;
     let ends = columns.header.places(ENDS)?;

@@ -10,4 +10,4 @@ mod tone;
 pub use self::exr::write_exr;
 pub use self::image::{Aov, BEAUTY, Image, Plane};
 pub use self::png::{write_png, write_rgb8};
-pub use self::read::{ReadError, read_exr};
+pub use self::read::{ReadError, read_exr, read_exr_with};

@@ -3,91 +3,191 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use exr::image::{AnyChannels, FlatSamples, Layer};
 use exr::meta::attribute::{AttributeValue, IntegerBounds};
-use exr::prelude::{ReadChannels, ReadLayers};
+use exr::meta::header::Header;
+use glam::Vec3;
 
 use super::exr::ATTRIBUTE_PREFIX;
 use super::{Aov, BEAUTY, Image, Plane};
+use crate::asset::exr::{Colours, ExrFile};
+use crate::asset::{Files, Flaw};
 
-/// Why an EXR could not be read.
+/// Why an EXR could not be read: missing, unreadable, damaged, too large, or a kind of EXR that holds no plain picture.
 #[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// Missing, unreadable, damaged, or a kind of EXR that holds no plain picture.
-    #[error("cannot read `{}`: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: exr::error::Error,
-    },
-    /// The data window reaches beyond the display window.
-    #[error("cannot read `{}`: its data window lies outside its display window", path.display())]
-    Window {
-        /// The file.
-        path: PathBuf,
-    },
+#[error("cannot read `{}`: {}", path.display(), flaw.problem)]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub flaw: Flaw,
 }
 
-/// Reads the first layer of the EXR at `path`, all channels widened to f32.
-///
-/// Planes come in the order in which a render makes them, whatever the order in the file; unknown channels come last.
-/// Attributes are those that [`super::write_exr`] wrote, sorted by name.
+/// Reads the EXR at `path`; see [`read_exr_with`].
 ///
 /// # Errors
 /// See [`ReadError`].
 pub fn read_exr(path: &Path) -> Result<Image, ReadError> {
-    let file = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .map_err(|source| ReadError::File { path: path.to_owned(), source })?;
-    let window = file.attributes.display_window;
-    let layer = file.layer_data;
-    let origin = origin_within(&layer, window).ok_or_else(|| ReadError::Window { path: path.to_owned() })?;
+    read_exr_with(path, &Files::default())
+}
+
+/// Reads the EXR at `path`, all channels widened to f32, colours in linear Rec. 709.
+///
+/// The colours are called R, G and B whatever the layer that they are in; the other channels of that layer lose its name
+/// too. Of a file of several parts, those count that have the same pixels as the colours. Planes come in the order in
+/// which a render makes them, whatever the order in the file; unknown channels come last. Attributes are those that
+/// [`super::write_exr`] wrote, sorted by name.
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read_exr_with(path: &Path, files: &Files) -> Result<Image, ReadError> {
+    let unreadable = |flaw| ReadError { path: path.to_owned(), flaw };
+    let bytes = files.read(path).map_err(|error| {
+        unreadable(Flaw::new(error.to_string(), "give an OpenEXR picture, such as `render` writes"))
+    })?;
+    ExrFile::open(&bytes).and_then(|file| decode(&file, files)).map_err(unreadable)
+}
+
+/// A channel of the file that becomes a plane.
+struct Source {
+    part: usize,
+    channel: usize,
+    name: String,
+}
+
+fn decode(file: &ExrFile, files: &Files) -> Result<Image, Flaw> {
+    let colours = file.colours().ok();
+    let first = || file.flat_parts().next().ok_or_else(|| Flaw::new("holds only deep data", "flatten it"));
+    let main = colours.as_ref().map_or_else(first, |colours| Ok(colours.part))?;
+    let (data, display) = (file.data_window(main), file.display_window(main));
+    let shown = Shown::of(data, display)?;
+    let sources = sources(file, main, colours.as_ref());
+    let pixels = (shown.size.0 as u64).saturating_mul(shown.size.1 as u64);
+    let needed = pixels.saturating_mul((sources.len() * size_of::<f32>()) as u64);
+    let (width, height) = shown.size;
+    files
+        .memory()
+        .check(format!("a picture of {width} × {height} pixels and {} channels", sources.len()), needed)?;
+
+    let plane = |source: &Source| Plane { name: source.name.clone(), values: vec![0.0; width * height] };
+    let mut planes: Vec<Plane> = sources.iter().map(plane).collect();
+    for part in file.flat_parts() {
+        let of_part = sources.iter().enumerate().filter(|(_, source)| source.part == part);
+        let (places, channels): (Vec<usize>, Vec<usize>) =
+            of_part.map(|(place, source)| (place, source.channel)).unzip();
+        if channels.is_empty() {
+            continue;
+        }
+        file.read(part, &channels, &files.memory(), |slot, x, y, value| {
+            if let Some(index) = shown.index(x, y) {
+                planes[places[slot]].values[index] = value;
+            }
+        })?;
+    }
+    if let Some(colours) = &colours {
+        convert(file, colours, &mut planes);
+    }
     Ok(Image {
-        width: window.size.width(),
-        height: window.size.height(),
-        origin,
-        size: (layer.size.width(), layer.size.height()),
-        attributes: attributes(&layer),
-        planes: planes(layer.channel_data),
+        width: display.size.width(),
+        height: display.size.height(),
+        origin: shown.origin,
+        size: shown.size,
+        attributes: attributes(&file.headers()[main]),
+        planes: sorted(planes),
     })
 }
-
-/// Where the data window starts within the display window, if it lies within.
-fn origin_within(layer: &Layer<AnyChannels<FlatSamples>>, window: IntegerBounds) -> Option<(usize, usize)> {
-    let start = layer.attributes.layer_position - window.position;
-    let origin = (usize::try_from(start.x()).ok()?, usize::try_from(start.y()).ok()?);
-    let within = origin.0 + layer.size.width() <= window.size.width()
-        && origin.1 + layer.size.height() <= window.size.height();
-    within.then_some(origin)
+/// The part of the data window that lies within the display window.
+struct Shown {
+    /// First column and row, from those of the data window.
+    start: (usize, usize),
+    /// First column and row, from those of the display window.
+    origin: (usize, usize),
+    size: (usize, usize),
 }
 
-fn planes(channels: AnyChannels<FlatSamples>) -> Vec<Plane> {
-    let mut planes: Vec<Plane> = channels
-        .list
-        .into_iter()
-        .map(|channel| Plane {
-            name: String::from_utf8_lossy(channel.name.as_slice()).into_owned(),
-            values: match channel.sample_data {
-                FlatSamples::F32(values) => values,
-                other => other.values_as_f32().collect(),
-            },
-        })
-        .collect();
+impl Shown {
+    fn of(data: IntegerBounds, display: IntegerBounds) -> Result<Self, Flaw> {
+        let mad = |error| Flaw::new(format!("its windows make no picture: {error}"), "save it again");
+        data.validate(None).map_err(mad)?;
+        display.validate(None).map_err(mad)?;
+        let along = |(start, end): (i32, i32), (first, last): (i32, i32)| {
+            let (from, to) = (start.max(first), end.min(last));
+            let distance = |a: i32, b: i32| usize::try_from(i64::from(a) - i64::from(b)).ok();
+            let size = distance(to, from).filter(|size| *size > 0)?;
+            Some((distance(from, start)?, distance(from, first)?, size))
+        };
+        let (end, last) = (data.end(), display.end());
+        let x = along((data.position.x(), end.x()), (display.position.x(), last.x()));
+        let y = along((data.position.y(), end.y()), (display.position.y(), last.y()));
+        let (x, y) = x.zip(y).ok_or_else(|| {
+            Flaw::new(
+                "its data window lies outside its display window",
+                "save it again with all of its pixels",
+            )
+        })?;
+        Ok(Self { start: (x.0, y.0), origin: (x.1, y.1), size: (x.2, y.2) })
+    }
+
+    /// Where the pixel at a column and row of the data window is, row by row.
+    fn index(&self, x: usize, y: usize) -> Option<usize> {
+        let (x, y) = (x.checked_sub(self.start.0)?, y.checked_sub(self.start.1)?);
+        (x < self.size.0 && y < self.size.1).then_some(y * self.size.0 + x)
+    }
+}
+
+/// The channels of the main part, its colours first, and of those parts that have the same pixels.
+fn sources(file: &ExrFile, main: usize, colours: Option<&Colours>) -> Vec<Source> {
+    let mut sources = Vec::new();
+    if let Some(colours) = colours {
+        // Luminance alone is three planes too.
+        let list = colours.channels.list();
+        let colour = |(index, name): (usize, &&str)| Source {
+            part: main,
+            channel: list.get(index).or(list.first()).copied().unwrap_or_default(),
+            name: (*name).to_owned(),
+        };
+        sources.extend(BEAUTY[..3].iter().enumerate().map(colour));
+    }
+    let same = |part: &usize| {
+        file.data_window(*part) == file.data_window(main)
+            && file.display_window(*part) == file.display_window(main)
+    };
+    for part in file.flat_parts().filter(same) {
+        for channel in 0..file.headers()[part].channels.list.len() {
+            let is_colour = colours.is_some_and(|colours| colours.channels.list().contains(&channel));
+            if part != main || !is_colour {
+                let full = file.name(part, channel);
+                let layer = colours.map(|colours| format!("{}.", colours.layer));
+                let own = layer.and_then(|layer| full.strip_prefix(&layer).map(str::to_owned));
+                sources.push(Source { part, channel, name: own.unwrap_or(full) });
+            }
+        }
+    }
+    sources
+}
+
+/// Makes the first three planes linear Rec. 709.
+fn convert(file: &ExrFile, colours: &Colours, planes: &mut [Plane]) {
+    let to_rgb = file.to_rgb(colours);
+    let [red, green, blue, ..] = planes else { return };
+    if to_rgb.is_identity() {
+        return;
+    }
+    for ((r, g), b) in red.values.iter_mut().zip(&mut green.values).zip(&mut blue.values) {
+        [*r, *g, *b] = to_rgb.apply(Vec3::new(*r, *g, *b)).to_array();
+    }
+}
+
+/// In the order in which a render makes them.
+fn sorted(mut planes: Vec<Plane>) -> Vec<Plane> {
     let aovs = Aov::value_variants().iter().flat_map(|aov| aov.channels());
     let order: Vec<&str> = BEAUTY.iter().chain(aovs).copied().collect();
     planes.sort_by_key(|plane| order.iter().position(|name| *name == plane.name).unwrap_or(order.len()));
     planes
 }
 
-fn attributes(layer: &Layer<AnyChannels<FlatSamples>>) -> Vec<(String, String)> {
-    let mut own: Vec<(String, String)> = layer
-        .attributes
+fn attributes(header: &Header) -> Vec<(String, String)> {
+    let mut own: Vec<(String, String)> = header
+        .own_attributes
         .other
         .iter()
         .filter_map(|(name, value)| {

@@ -15,6 +15,7 @@ mod overrides;
 mod populate;
 mod settings;
 mod systems;
+mod text;
 mod world;
 
 use std::path::Path;
@@ -65,7 +66,7 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
         "toml" => {
             let read = options.files.read(path);
             let bytes = read.map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
-            let text = String::from_utf8_lossy(&bytes).into_owned();
+            let text = text::decode(path, bytes)?;
             (Some(text.clone()), text)
         }
         "gltf" | "glb" => (None, bare_scene(path, "gltf")),
@@ -81,8 +82,12 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
 
 /// The scene file that a model by itself stands for.
 fn bare_scene(path: &Path, component: &str) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(name.as_ref()))
+    format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(bare_name(path)))
+}
+
+/// What that file calls the model; not always the name itself, which may not be text.
+fn bare_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The scene's text with the overrides applied; the rest keeps its lines.
@@ -102,7 +107,8 @@ fn build(source: &SourceText, options: &LoadOptions) -> Result<Baked, Fault> {
     let file = file::parse(source.text)?;
     let sky_if_dark = source.on_disk.is_none() && file.environment.is_none();
     let folder = source.path.parent().unwrap_or(Path::new(""));
-    let mut world = populate::populate(file, &Source { folder, files: &options.files })?;
+    let bare = source.on_disk.is_none().then_some(source.path);
+    let mut world = populate::populate(file, &Source { folder, bare, files: &options.files })?;
     if let Some(hole) = options.black_hole {
         replace_spacetime(&mut world, hole)?;
     }

@@ -1,7 +1,7 @@
 //! Scene file → world: checks every value and spawns the entities.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use toml::Spanned;
@@ -16,7 +16,7 @@ use super::file::{
 };
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind};
+use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind, bare_name};
 use crate::asset::{Files, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
@@ -38,8 +38,20 @@ const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
 pub(super) struct Source<'a> {
     /// The folder that paths are relative to.
     pub folder: &'a Path,
+    /// The model that the scene file was made up for.
+    pub bare: Option<&'a Path>,
     /// Reads them.
     pub files: &'a Files,
+}
+
+impl Source<'_> {
+    /// The file that a scene file names.
+    fn path(&self, name: &str) -> PathBuf {
+        match self.bare.filter(|path| bare_name(path) == name) {
+            Some(path) => path.to_owned(),
+            None => self.folder.join(name),
+        }
+    }
 }
 
 /// Builds the world of a scene file; its files are read from `source`.
@@ -129,7 +141,7 @@ fn environment(
     if let Some(image) = &table.image {
         let degrees = table.rotation.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
         let error_at = |error| Fault::Asset { span: image.span(), error };
-        let picture = load_image(&source.folder.join(image.get_ref()), source.files).map_err(error_at)?;
+        let picture = load_image(&source.path(image.get_ref()), source.files).map_err(error_at)?;
         warnings.extend(picture.warnings);
         return Ok(Environment::Image(LatLong {
             width: picture.width,
@@ -313,7 +325,7 @@ fn spawn(
         if let Some(path) = path {
             check_format(path, format)?;
             let error_at = |error| Fault::Asset { span: path.span(), error };
-            let path = source.folder.join(path.get_ref());
+            let path = source.path(path.get_ref());
             world.spawn_model(&path, format, entity, look, source.files).map_err(error_at)?;
         }
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::asset::error::Flaw;
 use crate::asset::files::Files;
+use crate::asset::memory::Memory;
 
 /// The contents of all buffers, and where files beside the glTF file are.
 pub(super) struct Buffers<'a> {
@@ -34,6 +35,11 @@ impl<'a> Buffers<'a> {
             ))
         };
         Ok(Self { gltf, folder, files, buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
+    }
+
+    /// How much memory may be used.
+    pub fn memory(&self) -> Memory {
+        self.files.memory()
     }
 
     /// The bytes of a buffer view.

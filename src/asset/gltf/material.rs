@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::buffers::Buffers;
-use crate::asset::image::decode_other;
+use crate::asset::image::decode_texture;
 use crate::asset::notes::Notes;
 use crate::shade::{Lobe, Material};
 
@@ -55,7 +55,7 @@ fn texture_mean(material: &gltf::Material, buffers: &Buffers, notes: &mut Notes,
         return Vec3::ONE;
     };
     let image = texture.texture().source();
-    match buffers.image(&image).and_then(|bytes| decode_other(&bytes)) {
+    match buffers.image(&image).and_then(|bytes| decode_texture(&bytes, &buffers.memory())) {
         Ok(picture) => {
             notes.add("base colour texture is replaced by its mean, in material", name);
             let sum: DVec3 = picture.pixels.iter().map(|pixel| pixel.as_dvec3()).sum();

@@ -1,16 +1,24 @@
 //! Latitude-longitude pictures: EXR, HDR, PNG, JPEG.
 
+mod hdr;
+mod latlong_exr;
+mod raster;
+
+pub(super) use raster::decode as decode_texture;
+
 use std::path::Path;
 
-use exr::prelude as exr_file;
 use glam::Vec3;
 
 use super::error::{AssetError, Flaw};
 use super::files::Files;
+use super::memory::Memory;
 use super::notes::Notes;
 
 /// Most pixels in a picture: 32768 × 16384.
 const MAX_PIXELS: usize = 1 << 29;
+/// Bytes per pixel of a picture that lights a scene: the picture and the table by which its lights are sampled.
+const BYTES_PER_PIXEL: u64 = (size_of::<Vec3>() + size_of::<f64>()) as u64;
 /// Infinite pixels become this, the largest half-float: a sun stays bright without poisoning sums.
 const BRIGHTEST_HALF: f32 = 65504.0;
 /// Largest finite pixel: products with a strength stay finite in 32 bits.
@@ -34,90 +42,46 @@ pub struct Picture {
 /// Negative and NaN pixels become 0, infinite ones 65504, ones above 1e18 that, with a warning.
 ///
 /// # Errors
-/// The file cannot be read or decoded, has no pixels, or has more than 2²⁹ of them.
+/// The file cannot be read or decoded, has no pixels, has more than 2²⁹ of them or more than fit in memory.
 pub fn load(path: &Path, files: &Files) -> Result<Picture, AssetError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let bytes = AssetError::read(path, files)?;
+    let mut notes = Notes::default();
     let decoded = match extension.as_str() {
-        "exr" => decode_exr(&bytes),
-        "hdr" | "png" | "jpg" | "jpeg" => decode_other(&bytes),
+        "exr" => latlong_exr::decode(&bytes, &files.memory(), &mut notes),
+        "hdr" | "pic" | "rgbe" | "png" | "jpg" | "jpeg" => decode(&bytes, &files.memory(), &mut notes),
         _ => Err(Flaw::new(
             format!("`.{extension}` is not a picture that can be read"),
             "use .exr, .hdr, .png or .jpg",
         )),
     };
     let mut picture = decoded.map_err(|flaw| AssetError::content(path, flaw))?;
-    let mut notes = Notes::default();
     clean(&mut picture, &mut notes);
     picture.warnings = notes.into_lines(&path.display().to_string());
     Ok(picture)
 }
 
-fn check_size(width: usize, height: usize) -> Result<(), Flaw> {
-    match width.checked_mul(height) {
-        Some(1..=MAX_PIXELS) => Ok(()),
-        _ => Err(Flaw::new(
-            format!("a picture of {width} × {height} pixels cannot be used"),
-            "use at least one pixel and at most 32768 × 16384",
-        )),
-    }
+/// Decodes HDR, PNG and JPEG, whatever the file is called.
+fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result<Picture, Flaw> {
+    if hdr::is_hdr(bytes) { hdr::decode(bytes, memory, notes) } else { raster::decode(bytes, memory) }
+}
+
+/// Refuses a picture without pixels, with too many, or with more than fit in memory beside `extra` bytes for each.
+fn check_size(width: usize, height: usize, extra: u64, memory: &Memory) -> Result<(), Flaw> {
+    let pixels = match width.checked_mul(height) {
+        Some(pixels @ 1..=MAX_PIXELS) => pixels as u64,
+        _ => {
+            return Err(Flaw::new(
+                format!("a picture of {width} × {height} pixels cannot be used"),
+                "use at least one pixel and at most 32768 × 16384",
+            ));
+        }
+    };
+    memory.check(format!("a picture of {width} × {height} pixels"), pixels * (BYTES_PER_PIXEL + extra))
 }
 
 fn undecodable(error: impl std::fmt::Display) -> Flaw {
     Flaw::new(format!("cannot be decoded: {error}"), "the file is damaged; save it again")
-}
-
-fn decode_exr(bytes: &[u8]) -> Result<Picture, Flaw> {
-    use exr_file::{ReadChannels, ReadLayers};
-    let meta = exr::meta::MetaData::read_from_buffered(bytes, false).map_err(undecodable)?;
-    for header in &meta.headers {
-        check_size(header.layer_size.width(), header.layer_size.height())?;
-    }
-    let image = exr_file::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size: exr_file::Vec2<usize>, _: &_| (size.width(), vec![Vec3::ZERO; size.area()]),
-            |(width, pixels): &mut (usize, Vec<Vec3>), at, (r, g, b): (f32, f32, f32)| {
-                if let Some(pixel) = pixels.get_mut(at.y() * *width + at.x()) {
-                    *pixel = Vec3::new(r, g, b);
-                }
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(std::io::Cursor::new(bytes))
-        .map_err(undecodable)?;
-    let (width, pixels) = image.layer_data.channel_data.pixels;
-    let height = pixels.len().checked_div(width).unwrap_or(0);
-    check_size(width, height)?;
-    Ok(Picture { width, height, pixels, warnings: Vec::new() })
-}
-
-/// Decodes HDR, PNG and JPEG.
-pub(super) fn decode_other(bytes: &[u8]) -> Result<Picture, Flaw> {
-    let open = || {
-        let reader = image::ImageReader::new(std::io::Cursor::new(bytes));
-        reader.with_guessed_format().map_err(undecodable)
-    };
-    let (width, height) = open()?.into_dimensions().map_err(undecodable)?;
-    check_size(width as usize, height as usize)?;
-    let mut reader = open()?;
-    reader.no_limits();
-    let linear = reader.format() == Some(image::ImageFormat::Hdr);
-    let pixels = reader.decode().map_err(undecodable)?.into_rgb32f();
-    let transfer = if linear { |value| value } else { linear_from_srgb };
-    Ok(Picture {
-        width: width as usize,
-        height: height as usize,
-        pixels: pixels.pixels().map(|pixel| Vec3::from(pixel.0.map(transfer))).collect(),
-        warnings: Vec::new(),
-    })
-}
-
-/// IEC 61966-2-1.
-fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 fn clean(picture: &mut Picture, notes: &mut Notes) {
@@ -148,6 +112,8 @@ fn clean(picture: &mut Picture, notes: &mut Notes) {
 
 #[cfg(test)]
 mod tests {
+    use exr::prelude as exr_file;
+
     use super::*;
 
     #[test]

@@ -1,0 +1,142 @@
+//! PNG and JPEG pictures, made linear.
+
+use std::io::Cursor;
+
+use glam::Vec3;
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+
+use super::{Picture, check_size, undecodable};
+use crate::asset::error::Flaw;
+use crate::asset::memory::Memory;
+
+/// What a picture costs at most while it is decoded, bytes per pixel: four channels of 16 bits.
+const DECODED: u64 = 8;
+/// The gamma of a PNG file that stands for sRGB.
+const SRGB_GAMMA: f64 = 0.45455;
+/// First bytes of a PNG file, up to its width and height.
+const PNG_START: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
+
+/// Decodes a PNG or JPEG file.
+pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
+    // Before the crate sees it, which allocates rows.
+    if let Some((width, height)) = png_size(bytes) {
+        check_size(width, height, DECODED, memory)?;
+    }
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
+    let gamma = if reader.format() == Some(ImageFormat::Png) { png_gamma(bytes)? } else { None };
+    let mut decoder = reader.into_decoder().map_err(undecodable)?;
+    let (width, height) = decoder.dimensions();
+    check_size(width as usize, height as usize, DECODED, memory)?;
+    decoder.set_limits(image::Limits::no_limits()).map_err(undecodable)?;
+    let decoded = DynamicImage::from_decoder(decoder).map_err(undecodable)?;
+    let linear = |value: f32| match gamma {
+        Some(gamma) => libm::powf(value, 1.0 / gamma),
+        None => linear_from_srgb(value),
+    };
+    Ok(Picture {
+        width: width as usize,
+        height: height as usize,
+        pixels: colours(&decoded).map(|colour| Vec3::from(colour.map(linear))).collect(),
+        warnings: Vec::new(),
+    })
+}
+
+/// Width and height of a PNG file.
+fn png_size(bytes: &[u8]) -> Option<(usize, usize)> {
+    let rest = bytes.strip_prefix(PNG_START)?;
+    let number =
+        |at: usize| rest.get(at..at + 4)?.try_into().ok().map(|word| u32::from_be_bytes(word) as usize);
+    Some((number(0)?, number(4)?))
+}
+
+/// The gamma that a PNG file tells, unless it is that of sRGB.
+fn png_gamma(bytes: &[u8]) -> Result<Option<f32>, Flaw> {
+    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(undecodable)?;
+    let gamma = decoder.gamma_value().map_err(undecodable)?;
+    Ok(gamma.filter(|gamma| *gamma > 0.0 && (gamma - SRGB_GAMMA).abs() > 1e-3).map(|gamma| gamma as f32))
+}
+
+/// Red, green and blue of each pixel, 0 to 1.
+fn colours(image: &DynamicImage) -> impl Iterator<Item = [f32; 3]> {
+    let channels = usize::from(image.color().channel_count());
+    let bytes = usize::from(image.color().bytes_per_pixel()) / channels;
+    let value = move |sample: &[u8]| match *sample {
+        [byte] => f32::from(byte) / f32::from(u8::MAX),
+        [a, b] => f32::from(u16::from_ne_bytes([a, b])) / f32::from(u16::MAX),
+        [a, b, c, d] => f32::from_ne_bytes([a, b, c, d]),
+        _ => 0.0,
+    };
+    image.as_bytes().chunks_exact(channels * bytes).map(move |pixel| {
+        let channel = |index: usize| value(&pixel[index * bytes..(index + 1) * bytes]);
+        if channels < 3 { [channel(0); 3] } else { [0, 1, 2].map(channel) }
+    })
+}
+
+/// IEC 61966-2-1.
+fn linear_from_srgb(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    fn first_pixel(bytes: &[u8]) -> Vec3 {
+        decode(bytes, &Memory::default()).unwrap().pixels[0]
+    }
+
+    /// `bytes` with a chunk behind the header chunk.
+    fn with_chunk(bytes: &[u8], kind: &[u8], data: &[u8]) -> Vec<u8> {
+        let checked: Vec<u8> = kind.iter().chain(data).copied().collect();
+        let mut crc = u32::MAX;
+        for byte in &checked {
+            crc ^= u32::from(*byte);
+            (0..8).for_each(|_| crc = if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 });
+        }
+        let (head, tail) = bytes.split_at(33);
+        [head, &(data.len() as u32).to_be_bytes(), &checked, &(!crc).to_be_bytes(), tail].concat()
+    }
+
+    #[test]
+    fn grey_and_sixteen_bit_pictures_keep_their_values() {
+        let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8000])));
+        let pixel = first_pixel(&encoded(&grey, ImageFormat::Png));
+        assert!((pixel - Vec3::splat(0.214_049_4)).length() < 1e-6, "{pixel}");
+        let with_alpha =
+            DynamicImage::ImageLumaA8(image::ImageBuffer::from_pixel(2, 1, image::LumaA([255, 7])));
+        assert_eq!(first_pixel(&encoded(&with_alpha, ImageFormat::Png)), Vec3::ONE);
+        let jpeg = encoded(
+            &DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(8, 8, image::Luma([255]))),
+            ImageFormat::Jpeg,
+        );
+        assert!((first_pixel(&jpeg) - Vec3::ONE).length() < 0.02);
+    }
+
+    #[test]
+    fn the_gamma_of_a_png_file_is_honoured() {
+        let grey = DynamicImage::ImageLuma8(image::ImageBuffer::from_pixel(2, 1, image::Luma([51])));
+        let plain = encoded(&grey, ImageFormat::Png);
+        let linear = with_chunk(&plain, b"gAMA", &100_000u32.to_be_bytes());
+        assert!((first_pixel(&linear) - Vec3::splat(0.2)).length() < 1e-6, "{}", first_pixel(&linear));
+        let usual = with_chunk(&plain, b"gAMA", &45_455u32.to_be_bytes());
+        assert_eq!(first_pixel(&usual), first_pixel(&plain));
+    }
+
+    #[test]
+    fn a_header_of_mad_size_is_refused_before_the_rest_is_looked_at() {
+        for (width, height) in [(u32::MAX, u32::MAX), (1 << 16, 1 << 16), (0, 5), (i32::MAX as u32, 1)] {
+            let mut bytes = PNG_START.to_vec();
+            bytes.extend([width.to_be_bytes(), height.to_be_bytes()].concat());
+            bytes.extend([1, 0, 0, 0, 0, 0, 0, 0, 0]);
+            let problem = decode(&bytes, &Memory::default()).unwrap_err().problem;
+            assert!(problem.contains(&width.to_string()), "{problem}");
+        }
+    }
+}

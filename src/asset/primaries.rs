@@ -1,0 +1,108 @@
+//! Colour spaces: primaries and white point → the renderer's linear Rec. 709.
+
+use exr::meta::attribute::Chromaticities;
+use exr::prelude::Vec2;
+use glam::{DMat3, DVec3};
+
+/// Those of Rec. 709: the white is D65.
+pub const REC709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
+/// Chromaticities that differ by less are the same; files write three or four digits.
+const SAME: f32 = 1e-3;
+/// Bradford's cone responses, by row: X, Y, Z → ρ, γ, β.
+const BRADFORD: DMat3 = DMat3::from_cols(
+    DVec3::new(0.8951, -0.7502, 0.0389),
+    DVec3::new(0.2664, 1.7135, -0.0685),
+    DVec3::new(-0.1614, 0.0367, 1.0296),
+);
+
+/// The matrix that makes colours of other primaries Rec. 709, white to white after Bradford; `None` where they are Rec. 709
+/// already, or span no colour space.
+pub fn to_rec709(from: &Chromaticities) -> Option<DMat3> {
+    let pairs = [
+        (from.red, REC709.red),
+        (from.green, REC709.green),
+        (from.blue, REC709.blue),
+        (from.white, REC709.white),
+    ];
+    if pairs.iter().all(|(a, b)| (a.0 - b.0).abs() < SAME && (a.1 - b.1).abs() < SAME) {
+        return None;
+    }
+    let (white, target) = (BRADFORD * xyz(from.white), BRADFORD * xyz(REC709.white));
+    let adaptation = BRADFORD.inverse() * DMat3::from_diagonal(target / white) * BRADFORD;
+    let matrix = to_xyz(&REC709).inverse() * adaptation * to_xyz(from);
+    matrix.is_finite().then_some(matrix)
+}
+
+/// How much red, green and blue add to luminance.
+pub fn luminance_weights(chromaticities: &Chromaticities) -> DVec3 {
+    let weights = to_xyz(chromaticities).row(1);
+    let is_usable = weights.is_finite() && weights.y > 0.0;
+    if is_usable { weights } else { to_xyz(&REC709).row(1) }
+}
+
+/// RGB → XYZ, where RGB = 1 is the white with Y = 1.
+fn to_xyz(chromaticities: &Chromaticities) -> DMat3 {
+    let primaries =
+        DMat3::from_cols(xyz(chromaticities.red), xyz(chromaticities.green), xyz(chromaticities.blue));
+    let scale = primaries.inverse() * xyz(chromaticities.white);
+    primaries * DMat3::from_diagonal(scale)
+}
+
+/// The colour of a chromaticity at Y = 1.
+fn xyz(Vec2(x, y): Vec2<f32>) -> DVec3 {
+    let (x, y) = (f64::from(x), f64::from(y));
+    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// AP1 with the white of ACES.
+    const ACESCG: Chromaticities = Chromaticities {
+        red: Vec2(0.713, 0.293),
+        green: Vec2(0.165, 0.83),
+        blue: Vec2(0.128, 0.044),
+        white: Vec2(0.32168, 0.33767),
+    };
+
+    #[test]
+    fn acescg_becomes_rec_709_as_published() {
+        // The matrix of colour-science for ACEScg → ITU-R BT.709, Bradford.
+        let expected = DMat3::from_cols(
+            DVec3::new(1.7050796, -0.1302597, -0.0240033),
+            DVec3::new(-0.6242334, 1.1408027, -0.1289688),
+            DVec3::new(-0.0808462, -0.0105430, 1.1529721),
+        );
+        let found = to_rec709(&ACESCG).unwrap();
+        assert!(found.abs_diff_eq(expected, 1e-3), "{found}");
+    }
+
+    #[test]
+    fn white_stays_white_and_rec_709_needs_nothing() {
+        let equal_energy = Chromaticities { white: Vec2(1.0 / 3.0, 1.0 / 3.0), ..REC709 };
+        for space in [ACESCG, equal_energy] {
+            assert!((to_rec709(&space).unwrap() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-6));
+        }
+        assert_eq!(to_rec709(&REC709), None);
+        assert_eq!(to_rec709(&Chromaticities { red: Vec2(0.6404, 0.3298), ..REC709 }), None);
+    }
+
+    #[test]
+    fn chromaticities_that_span_no_space_are_none() {
+        for broken in [
+            Chromaticities { red: REC709.green, ..REC709 },
+            Chromaticities { white: Vec2(0.3, 0.0), ..REC709 },
+            Chromaticities { blue: Vec2(f32::NAN, 0.1), ..REC709 },
+        ] {
+            assert_eq!(to_rec709(&broken), None, "{broken:?}");
+            assert!(luminance_weights(&broken).is_finite());
+        }
+        assert!((luminance_weights(&REC709) - DVec3::new(0.2126, 0.7152, 0.0722)).length() < 2e-4);
+    }
+}
