@@ -11,7 +11,7 @@ use clap::ValueEnum;
 use command::{Folder, assert_good};
 use common::{render, scene_file, scene_path};
 use warpfront::film::{Aov, Image};
-use warpfront::scene::SpacetimeKind;
+use warpfront::scene::{Precision, SamplerKind, SpacetimeKind, StepperKind, flag_name};
 use warpfront::trace::Run;
 
 const SMALL: [&str; 3] = ["film.width=40", "film.height=34", "render.spp=16"];
@@ -57,12 +57,25 @@ fn both_schedules_give_the_same_bits_in_every_scene() {
 }
 
 #[test]
-fn both_schedules_give_the_same_bits_with_every_stepper_and_sampler() {
+fn both_schedules_give_the_same_bits_with_every_stepper_in_either_precision() {
     let path = scene_path("cornell_black_hole.toml");
-    for stepper in ["rkn4", "rkn6", "rk4-paper"] {
-        assert_schedules_agree(&path, &[&format!("render.stepper={stepper}")]);
+    for &stepper in StepperKind::value_variants() {
+        for &precision in Precision::value_variants() {
+            let stepper = format!("render.stepper={}", flag_name(stepper));
+            let precision = format!("render.precision={}", flag_name(precision));
+            // Single precision does not reach the default tolerance.
+            let all = [&stepper, &precision, "film.width=24", "film.height=18", "render.spp=4"];
+            assert_schedules_agree(&path, &[&all[..], &["render.tolerance=1e-4"]].concat());
+        }
     }
-    assert_schedules_agree(&path, &["render.sampler=independent"]);
+}
+
+#[test]
+fn both_schedules_give_the_same_bits_with_every_sampler() {
+    for &sampler in SamplerKind::value_variants() {
+        let sampler = format!("render.sampler={}", flag_name(sampler));
+        assert_schedules_agree(&scene_path("cornell_black_hole.toml"), &[&sampler]);
+    }
 }
 
 #[test]

@@ -2,7 +2,8 @@
 //! to its own start.
 //!
 //! Random rays escape from around holes; the exact angles that they sweep are elliptic integrals. Methods of order 4
-//! are held to 1e-9 only: below, the rounding of their thousands of steps is no longer small beside the tolerance.
+//! are held to 1e-9 only: below, the rounding of their thousands of steps is no longer small beside the tolerance. They
+//! and single precision may overstep by a factor that is small and seldom; nothing else oversteps at all.
 
 mod common;
 #[path = "common/orbits.rs"]
@@ -70,10 +71,31 @@ fn cases(aim: Aim, count: usize, epsilon: f64) -> Vec<Case> {
     cases
 }
 
-/// Prints and judges the errors of one stepper in numbers of type `R`, relative to what is allowed.
+/// Errors that may be, relative to the tolerance.
+#[derive(Clone, Copy, Debug)]
+struct Allowed {
+    /// Of the worst ray.
+    largest: f64,
+    /// Share of rays whose error is above the tolerance.
+    above: f64,
+}
+
+/// No ray is off by more than its tolerance.
+const ALWAYS: Allowed = Allowed { largest: 1.0, above: 0.0 };
+/// A few rays in a thousand are, but not by much.
+const SELDOM: Allowed = Allowed { largest: 2.5, above: 0.006 };
+
+/// Prints and judges the errors of one stepper in numbers of type `R`, relative to the tolerance.
 ///
 /// `rounding` is that of the start, of the steps and of the exact answer, before it grows with the sensitivity.
-fn check<R: Real, S: Stepper>(name: &str, stepper: S, tolerances: &[f64], cases: &[Case], rounding: f64) {
+fn check<R: Real, S: Stepper>(
+    name: &str,
+    stepper: S,
+    tolerances: &[f64],
+    cases: &[Case],
+    rounding: f64,
+    allowed: Allowed,
+) {
     println!("{name:9} tolerance    median      99 %   largest   above 1   steps");
     for &tolerance in tolerances {
         let one = |case: &Case| {
@@ -96,8 +118,8 @@ fn check<R: Real, S: Stepper>(name: &str, stepper: S, tolerances: &[f64], cases:
         );
         // NaN, which sorts last, fails as well.
         assert!(
-            above < 0.01 && at(1.0) < 10.0,
-            "{name} at {tolerance:e}: {above} of the rays above 1, largest {}",
+            above <= allowed.above && at(1.0) < allowed.largest,
+            "{name} at {tolerance:e}: {above} of the rays above 1, largest {}, but {allowed:?}",
             at(1.0)
         );
     }
@@ -108,15 +130,16 @@ fn decades(last: i32) -> Vec<f64> {
     (2..=last).map(|decade| 10f64.powi(-decade)).collect()
 }
 
+fn order<S: Stepper>(_: &S) -> u32 {
+    S::ORDER
+}
+
 fn check_every_stepper(aim: Aim) {
     let cases = cases(aim, 10_000, f64::EPSILON);
     with_every_stepper!(|name, stepper| {
-        let (last, count) = match name {
-            "Rkn6" | "Dop853" => (12, 10_000),
-            "Rkf45" | "Dopri5" => (12, 2_000),
-            _ => (9, 2_000),
-        };
-        check::<f64, _>(name, stepper, &decades(last), &cases[..count], 5e-15)
+        let (last, allowed) = if order(&stepper) > 4 { (12, ALWAYS) } else { (9, SELDOM) };
+        let count = if matches!(name, "Rkn6" | "Dop853") { 10_000 } else { 2_000 };
+        check::<f64, _>(name, stepper, &decades(last), &cases[..count], 5e-15, allowed)
     });
 }
 
@@ -135,7 +158,10 @@ fn a_ray_in_single_precision_is_off_by_its_tolerance_at_most() {
     for aim in [Aim::Anywhere, Aim::Critical] {
         let cases = cases(aim, 10_000, f64::from(f32::EPSILON));
         with_every_stepper!(|name, stepper| {
-            check::<f32, _>(name, stepper, &[1e-2, 1e-3, 1e-4], &cases[..2_000], 5e-7)
+            // Close to the critical ray a rounding of the start in single precision may be more than the tolerance.
+            let keeps = aim == Aim::Anywhere && order(&stepper) > 4;
+            let allowed = if keeps { ALWAYS } else { SELDOM };
+            check::<f32, _>(name, stepper, &[1e-2, 1e-3, 1e-4], &cases[..2_000], 5e-7, allowed)
         });
     }
 }

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::process::{Output, Stdio};
 
 use command::{Folder, assert_code, assert_refused, stderr};
-use common::{Row, table};
+use common::{Row, orbit_steppers, table};
 
 /// Columns of rays around a hole.
 const HEADER: &str = "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n";
@@ -112,7 +112,7 @@ fn every_exact_ray_ends_where_it_should_at_every_preset() {
 #[test]
 fn every_exact_ray_ends_where_it_should_with_every_stepper() {
     let place = Place::with_exact_rays();
-    for stepper in ["rkn6", "dop853", "dopri5", "rkf45", "rkn4", "rk4", "leapfrog4"] {
+    for stepper in &orbit_steppers() {
         worst_end(&place.rows(&["--stepper", stepper, "--tolerance", "1e-7"]), 1e-7, 0.0);
     }
 }

@@ -294,10 +294,9 @@ pub(super) struct ConnectArgs {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use serde_json::{Value, json};
 
     use super::*;
-    use crate::light::Heuristic;
-    use crate::scene::{Filter, SamplerKind};
 
     fn resolved(flags: &[&str], settings: Settings) -> Settings {
         let arguments = ["warpfront", "render", "scene.toml", "-o", "out.exr"].iter().chain(flags);
@@ -327,40 +326,69 @@ mod tests {
         assert_eq!((flags.tolerance, flags.arc_tolerance), (1e-4, Some(0.1)));
     }
 
-    #[test]
-    fn every_setting_has_its_flag() {
+    /// Every flag of a setting, with another value than the default, and all settings under these flags.
+    fn every_flag() -> (Vec<&'static str>, Value) {
         let flags = [
-            "--spp=3",
             "--size=5x6",
+            "--filter=box",
+            "--exposure=-1.5",
+            "--spp=3",
+            "--max-depth=9",
+            "--roulette-depth=7",
+            "--seed=11",
             "--stepper=rk4-paper",
             "--precision=f32",
             "--schedule=per-pixel",
-            "--max-depth=9",
-            "--seed=11",
-            "--exposure=-1.5",
-            "--filter=box",
             "--sampler=independent",
             "--light-sampling=straight",
             "--max-winding=3",
             "--mis=power",
+            "--quality=draft",
+            "--tolerance=0.25",
+            "--arc-tolerance=0.5",
         ];
-        let expected = Settings {
-            width: 5,
-            height: 6,
-            filter: Filter::Box,
-            exposure: -1.5,
-            spp: 3,
-            max_depth: 9,
-            seed: 11,
-            stepper: StepperKind::Rk4Paper,
-            precision: Precision::F32,
-            schedule: Schedule::PerPixel,
-            sampler: SamplerKind::Independent,
-            light_sampling: LightSampling::Straight,
-            max_winding: 3,
-            heuristic: Heuristic::Power,
-            ..Settings::default()
-        };
-        assert_eq!(resolved(&flags, Settings::default()), expected);
+        let settings = json!({
+            "width": 5,
+            "height": 6,
+            "filter": "box",
+            "exposure": -1.5,
+            "spp": 3,
+            "max_depth": 9,
+            "roulette_depth": 7,
+            "seed": 11,
+            "stepper": "rk4-paper",
+            "precision": "f32",
+            "schedule": "per-pixel",
+            "sampler": "independent",
+            "light_sampling": "straight",
+            "max_winding": 3,
+            "heuristic": "power",
+            "tolerance": 0.25,
+            "arc_tolerance": 0.5,
+            "arc_tolerance_factor": 4.0,
+        });
+        (flags.to_vec(), settings)
+    }
+
+    #[test]
+    fn every_setting_has_its_flag() {
+        let (flags, expected) = every_flag();
+        let default = Settings::default();
+        let given = serde_json::to_value(resolved(&flags, default.clone())).unwrap();
+        assert_eq!(given, expected);
+        let default = serde_json::to_value(default).unwrap();
+        for (key, value) in default.as_object().unwrap() {
+            assert_ne!(&given[key], value, "no flag changes `{key}`");
+        }
+    }
+
+    #[test]
+    fn every_flag_of_a_setting_is_tested() {
+        let (flags, _) = every_flag();
+        let command = SettingArgs::augment_args(clap::Command::new("flags"));
+        for name in command.get_arguments().filter_map(|argument| argument.get_long()) {
+            let start = format!("--{name}=");
+            assert!(flags.iter().any(|flag| flag.starts_with(&start)), "{start} is not among {flags:?}");
+        }
     }
 }

@@ -30,6 +30,11 @@ pub(super) fn segments(text: &str) -> Result<u32, String> {
     whole(text, 1..=u64::from(MAX_SEGMENTS)).map(|number| number as u32)
 }
 
+/// A number of ray segments before Russian roulette.
+pub(super) fn roulette(text: &str) -> Result<u32, String> {
+    whole(text, 0..=u64::from(u32::MAX)).map(|number| number as u32)
+}
+
 /// Any unsigned 64-bit number.
 pub(super) fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0..=u64::MAX)

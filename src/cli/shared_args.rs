@@ -135,6 +135,9 @@ pub(super) struct SettingArgs {
     /// Most ray segments in a path, the camera's included
     #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
     max_depth: Option<u32>,
+    /// Russian roulette may end paths after this many segments
+    #[arg(long, value_name = "N", value_parser = parse::roulette, allow_hyphen_values = true)]
+    roulette_depth: Option<u32>,
     /// Seed of all random numbers
     #[arg(long, value_name = "N", value_parser = parse::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
@@ -211,6 +214,7 @@ impl SettingArgs {
         set(self.spp, &mut settings.spp);
         set(self.schedule, &mut settings.schedule);
         set(self.max_depth, &mut settings.max_depth);
+        set(self.roulette_depth, &mut settings.roulette_depth);
         set(self.seed, &mut settings.seed);
         set(self.exposure, &mut settings.exposure);
         set(self.filter, &mut settings.filter);

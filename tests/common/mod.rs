@@ -6,11 +6,12 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use clap::ValueEnum;
 use glam::DVec3;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use tempfile::TempDir;
-use warpfront::scene::{Baked, load};
+use warpfront::scene::{Baked, StepperKind, flag_name, load};
 use warpfront::trace::{self, Rendered, Run};
 
 /// A row of a reference table.
@@ -51,6 +52,12 @@ pub fn table(name: &str) -> Vec<Row> {
         Row(names.iter().zip(cells).map(|(name, cell)| (name.to_string(), cell.to_string())).collect())
     };
     lines.map(row).collect()
+}
+
+/// The names of all steppers that follow orbits to a tolerance.
+pub fn orbit_steppers() -> Vec<String> {
+    let all = StepperKind::value_variants().iter().copied();
+    all.filter(|&stepper| stepper != StepperKind::Rk4Paper).map(flag_name).collect()
 }
 
 /// The path of a file in `scenes/`.

@@ -8,17 +8,26 @@ use warpfront::math::dual::Dual;
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
-/// Runs an expression with every stepper, under its name.
+/// Runs an expression with every stepper of orbits, under its name.
 macro_rules! with_every_stepper {
     (|$name:ident, $stepper:ident| $body:expr) => {{
+        use clap::ValueEnum;
         use warpfront::geodesic::{Dop853, Dopri5, Leapfrog4, Rk4, Rkf45, Rkn4, Rkn6};
-        with_every_stepper!(@one $name, $stepper, $body; Rk4 Rkn4 Leapfrog4 Rkf45 Dopri5 Rkn6 Dop853);
+        use warpfront::scene::StepperKind;
+        for kind in StepperKind::value_variants() {
+            with_every_stepper!(@of kind, $name, $stepper, $body; Rkn6 Dop853 Dopri5 Rkf45 Rkn4 Rk4 Leapfrog4);
+        }
     }};
-    (@one $name:ident, $stepper:ident, $body:expr; $($kind:ident)*) => {
-        $({
-            let ($name, $stepper) = (stringify!($kind), $kind);
-            $body;
-        })*
+    (@of $kind:ident, $name:ident, $stepper:ident, $body:expr; $($stepper_type:ident)*) => {
+        // Without a wildcard: a new stepper does not compile until it is in the list.
+        match $kind {
+            $(StepperKind::$stepper_type => {
+                let ($name, $stepper) = (stringify!($stepper_type), $stepper_type);
+                $body;
+            })*
+            // Knows neither orbits nor tolerances.
+            StepperKind::Rk4Paper => {}
+        }
     };
 }
 pub(crate) use with_every_stepper;
