@@ -67,8 +67,8 @@ fn probability(bencher: Bencher) {
 /// The scene whose lamp is proposed.
 const SCENE: &str = "scenes/cornell_black_hole.toml";
 
-/// Where rays through random places of the film land: the points, and their normals towards the camera.
-fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3)> {
+/// Where rays through random places of the film land: the points, their normals towards the camera, and what they lie on.
+fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3, PrimitiveId)> {
     let mut ray = || {
         let (position, direction) = scene.camera.ray(DVec2::from_array(random.random()), 4.0 / 3.0);
         Ray { position, direction, leaves: PrimitiveId::NONE }
@@ -77,7 +77,7 @@ fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3
     let landing = |end| match end {
         Outcome::Landed(landing) => {
             let normal = scene.geometry.surface_point(landing.primitive, landing.position).normal;
-            Some((landing.position, -normal * normal.dot(landing.direction).signum()))
+            Some((landing.position, -normal * normal.dot(landing.direction).signum(), landing.primitive))
         }
         _ => None,
     };
@@ -93,8 +93,8 @@ fn propose(bencher: Bencher, sight: impl FnOnce(SpacetimeKind) -> Box<dyn Sight>
     let places = landings(&scene, &mut random);
     let numbers: Vec<[f64; 4]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {
-        for (&(position, normal), &u) in places.iter().zip(&numbers) {
-            let receiver = Receiver { place: sight.place(black_box(position)), normal };
+        for (&(position, normal, on), &u) in places.iter().zip(&numbers) {
+            let receiver = Receiver { place: sight.place(black_box(position)), normal, on };
             black_box(lights.sample(sight.as_ref(), &receiver, u));
         }
     });

@@ -34,7 +34,7 @@ impl Files {
         };
         let mut world = populate::populate(
             file::parse(&text).unwrap(),
-            &Source { folder: self.folder.path(), files: &Default::default() },
+            &Source { folder: self.folder.path(), bare: None, files: &Default::default() },
         )
         .unwrap();
         let (primitives, shaped) = bake::flatten(&mut world).unwrap();
