@@ -6,8 +6,9 @@ use hecs::Entity;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
 use super::error::Fault;
+use super::squash::squash;
 use super::systems::{
-    Bounds, camera, disk_in_world, framing_camera, invertible, light_in_world, primitive_bounds,
+    Bounds, camera, disk_in_world, framing_camera, invertible, is_aimless, light_in_world, primitive_bounds,
     propagate_transforms, sphere_in_world,
 };
 use super::world::World;
@@ -33,7 +34,7 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     check_extent(&world, &boxes, &shaped)?;
     let camera = choose_camera(&mut world, &boxes)?;
     check_outside_horizon(&world, &camera)?;
-    let punctual = lights(&world)?;
+    let punctual = lights(&mut world)?;
     warn_if_dark(&mut world, &primitives, &punctual);
     Ok(Baked {
         spacetime: world.spacetime,
@@ -51,6 +52,7 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
 /// All primitives in world space, and the entities that have one, in the order of spawning; takes the world's meshes.
 pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fault> {
     propagate_transforms(world);
+    squash(world);
     let (mut primitives, shaped) = collect(world)?;
     primitives.meshes = std::mem::take(&mut world.meshes);
     Ok((primitives, shaped))
@@ -92,17 +94,24 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
     Ok((primitives, shaped))
 }
 
-/// The lights without extent in the order of spawning.
-fn lights(world: &World) -> Result<Vec<Punctual>, Fault> {
+/// The lights without extent in the order of spawning; those whose direction a scale of 0 loses are left out with a
+/// warning.
+fn lights(world: &mut World) -> Result<Vec<Punctual>, Fault> {
     let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();
-    let mut placed: Vec<_> = query.iter().collect();
+    let mut placed: Vec<(Entity, DAffine3, LightShape)> =
+        query.iter().map(|(entity, to_world, light)| (entity, to_world.0, *light)).collect();
+    drop(query);
     placed.sort_by_key(|(entity, ..)| entity.id());
-    let in_world = |(entity, to_world, light): (Entity, &WorldTransform, &LightShape)| {
-        let light = light_in_world(*light, &to_world.0).ok_or_else(|| {
+    let (aimless, placed): (Vec<_>, Vec<_>) =
+        placed.into_iter().partition(|(_, to_world, light)| is_aimless(light, to_world));
+    let aimless: Vec<String> = aimless.iter().map(|(entity, ..)| world.name(*entity)).collect();
+    world.warn_of_names("lights left out, since scales of 0 leave them no direction", &aimless);
+    let in_world = |(entity, to_world, light): (Entity, DAffine3, LightShape)| {
+        let light = light_in_world(light, &to_world).ok_or_else(|| {
             world.fault(
                 entity,
                 "the light's position or direction is not usable",
-                "place it no farther than 1e18 from the origin, with scales that are neither 0 nor huge",
+                "place it no farther than 1e18 from the origin, with scales that are not huge",
             )
         })?;
         if light.peak().cmple(Vec3::splat(LARGEST as f32)).all() {
