@@ -34,6 +34,8 @@ pub struct Node {
     pub lens: Option<Lens>,
     /// A light placed here, in this node's space; photometric: candela, or lux if distant.
     pub light: Option<Punctual>,
+    /// Schwarzschild radius of a black hole placed here, in this node's units of length.
+    pub hole: Option<f64>,
 }
 
 /// A mesh and its material.
@@ -50,4 +52,6 @@ pub struct Part {
 pub struct Lens {
     /// Vertical field of view, radians.
     pub vertical_fov: f64,
+    /// Width over height of the picture that it is meant for.
+    pub aspect: Option<f64>,
 }

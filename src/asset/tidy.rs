@@ -5,22 +5,17 @@ use glam::{DVec3, Vec3};
 use super::error::Flaw;
 use crate::geometry::Mesh;
 
-/// Checks `mesh`, drops its degenerate triangles and gives unusable normals a value; returns the number dropped.
+/// Checks `mesh`, drops its degenerate triangles and gives unusable normals a value; returns the number dropped, which
+/// may be all.
 ///
 /// # Errors
-/// Non-finite vertices, indices out of range, or no triangle left.
+/// Non-finite vertices, or indices out of range.
 pub(super) fn tidy(mesh: &mut Mesh) -> Result<usize, Flaw> {
     check_positions(mesh)?;
     check_indices(mesh)?;
     let read = mesh.triangles.len();
     let positions = &mesh.positions;
     mesh.triangles.retain(|triangle| area_normal(positions, triangle) != DVec3::ZERO);
-    if mesh.triangles.is_empty() {
-        return Err(Flaw::new(
-            format!("no triangle with an area is left of {read}"),
-            "remove the mesh, or check the scale at which it was exported",
-        ));
-    }
     repair_normals(mesh);
     Ok(read - mesh.triangles.len())
 }
@@ -95,9 +90,10 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_of_degenerate_triangles_only_is_an_error() {
+    fn a_mesh_of_degenerate_triangles_only_is_left_without_any() {
         let mut mesh = Mesh { triangles: vec![[0, 0, 1]], ..triangle() };
-        assert!(tidy(&mut mesh).unwrap_err().problem.contains("no triangle with an area"));
+        assert_eq!(tidy(&mut mesh), Ok(1));
+        assert!(mesh.triangles.is_empty());
     }
 
     #[test]

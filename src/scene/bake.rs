@@ -6,8 +6,9 @@ use hecs::Entity;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
 use super::error::Fault;
+use super::squash::squash;
 use super::systems::{
-    Bounds, camera, disk_in_world, framing_camera, invertible, light_in_world, primitive_bounds,
+    Bounds, camera, disk_in_world, framing_camera, invertible, is_aimless, light_in_world, primitive_bounds,
     propagate_transforms, sphere_in_world,
 };
 use super::world::World;
@@ -34,8 +35,8 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     check_extent(&world, &boxes, &shaped)?;
     let camera = choose_camera(&mut world, &boxes)?;
     check_outside_horizon(&world, &camera)?;
-    let (punctual, hidden) = lights(&world)?;
-    warn_of_hidden(&mut world, &hidden);
+    let (punctual, hidden) = lights(&mut world)?;
+    world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
     warn_if_dark(&mut world, &primitives, &punctual);
     Ok(Baked {
         spacetime: world.spacetime,
@@ -53,6 +54,7 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
 /// All primitives in world space, and the entities that have one, in the order of spawning; takes the world's meshes.
 pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fault> {
     propagate_transforms(world);
+    squash(world);
     let (mut primitives, shaped) = collect(world)?;
     primitives.meshes = std::mem::take(&mut world.meshes);
     Ok((primitives, shaped))
@@ -94,17 +96,23 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
     Ok((primitives, shaped))
 }
 
-/// The lights without extent in the order of spawning; apart from them, the entities of those that no light leaves, since they
-/// are in a black hole.
-fn lights(world: &World) -> Result<(Vec<Punctual>, Vec<Entity>), Fault> {
+/// The lights without extent in the order of spawning, and the names of those that no light leaves, since they are in a
+/// black hole; those whose direction a scale of 0 loses are left out with a warning.
+fn lights(world: &mut World) -> Result<(Vec<Punctual>, Vec<String>), Fault> {
     let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();
-    let mut placed: Vec<_> = query.iter().collect();
+    let mut placed: Vec<(Entity, DAffine3, LightShape)> =
+        query.iter().map(|(entity, to_world, light)| (entity, to_world.0, *light)).collect();
+    drop(query);
     placed.sort_by_key(|(entity, ..)| entity.id());
+    let (aimless, placed): (Vec<_>, Vec<_>) =
+        placed.into_iter().partition(|(_, to_world, light)| is_aimless(light, to_world));
+    let aimless: Vec<String> = aimless.iter().map(|(entity, ..)| world.name(*entity)).collect();
+    world.warn_of_names("lights left out, since scales of 0 leave them no direction", &aimless);
     let (mut lights, mut hidden) = (Vec::with_capacity(placed.len()), Vec::new());
     for (entity, to_world, light) in placed {
-        let light = checked_light(world, entity, to_world.0, light)?;
+        let light = checked_light(world, entity, to_world, &light)?;
         if light.position().is_some_and(|position| is_in_hole(world.spacetime, position)) {
-            hidden.push(entity);
+            hidden.push(world.name(entity));
         } else {
             lights.push(light);
         }
@@ -122,7 +130,7 @@ fn checked_light(
         world.fault(
             entity,
             "the light's position or direction is not usable",
-            "place it no farther than 1e18 from the origin, with scales that are neither 0 nor huge",
+            "place it no farther than 1e18 from the origin, with scales that are not huge",
         )
     })?;
     if light.peak().cmple(Vec3::splat(LARGEST as f32)).all() {
@@ -135,16 +143,6 @@ fn checked_light(
 fn is_in_hole(spacetime: SpacetimeKind, point: DVec3) -> bool {
     let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else { return false };
     point.distance(center) <= Chart::innermost(&Schwarzschild::new(schwarzschild_radius))
-}
-
-fn warn_of_hidden(world: &mut World, lights: &[Entity]) {
-    let [first, others @ ..] = lights else { return };
-    let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-    let what = format!(
-        "light `{}`{more}: inside the horizon of the black hole, where no light leaves",
-        world.name(*first)
-    );
-    world.warnings.push(what);
 }
 
 fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {

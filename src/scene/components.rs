@@ -33,7 +33,7 @@ pub struct SphereShape(pub Sphere);
 pub struct DiskShape(pub Disk);
 
 /// Index of a mesh in the world's mesh table; entities share meshes by sharing handles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MeshHandle(pub u32);
 
 /// Index of a material in the world's material table.

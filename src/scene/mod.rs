@@ -14,6 +14,7 @@ mod light;
 mod overrides;
 mod populate;
 mod settings;
+mod squash;
 mod systems;
 mod text;
 mod world;

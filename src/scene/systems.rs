@@ -103,6 +103,21 @@ pub(super) fn light_in_world(LightShape(light): LightShape, to_world: &DAffine3)
     })
 }
 
+/// Whether a light has a direction that a scale of 0 loses.
+pub(super) fn is_aimless(LightShape(light): &LightShape, to_world: &DAffine3) -> bool {
+    match light {
+        Punctual::Point { .. } => false,
+        Punctual::Spot { direction, .. } | Punctual::Distant { direction, .. } => {
+            to_world.matrix3 * *direction == DVec3::ZERO
+        }
+    }
+}
+
+/// Whether a scale of 0 loses the direction or the upright of a camera.
+fn is_blind(to_world: &DAffine3) -> bool {
+    to_world.matrix3.y_axis.cross(to_world.matrix3.z_axis) == DVec3::ZERO
+}
+
 /// An axis-aligned box in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
@@ -173,6 +188,11 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
         .map(|(entity, to_world, lens)| (entity, to_world.0, *lens))
         .collect();
     found.sort_by_key(|(entity, ..)| entity.id());
+    let blind: Vec<String> = found
+        .extract_if(.., |(_, to_world, _)| is_blind(to_world))
+        .map(|(entity, ..)| world.name(entity))
+        .collect();
+    world.warn_of_names("cameras left out, since scales of 0 leave them no direction", &blind);
     let Some((entity, to_world, lens)) = found.first().copied() else {
         return Ok(None);
     };

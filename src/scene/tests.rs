@@ -185,15 +185,70 @@ fn a_bare_model_with_a_light_gets_no_sky() {
 }
 
 #[test]
-fn lights_without_direction_or_too_bright_are_errors_that_name_them() {
-    for (light, expected) in [
-        (r#"{ "type": "directional" }"#, "`lamp`: the light's position or direction is not usable"),
-        (r#"{ "type": "point", "intensity": 1e30 }"#, "`lamp`: the light is brighter than 1e18"),
-    ] {
+fn a_light_whose_direction_a_scale_of_0_loses_is_left_out_by_name() {
+    for light in [r#"{ "type": "directional" }"#, r#"{ "type": "spot", "spot": {} }"#] {
         let files = Files::new(&[("a.gltf", &lit_triangle(light))]);
-        let message = load(&files.path("a.gltf"), &[]).err().unwrap().to_string();
-        assert!(message.contains(expected) && message.contains("help: "), "{message}");
+        let baked = load(&files.path("a.gltf"), &[]).unwrap();
+        assert!(baked.punctual.is_empty());
+        let expected = "lights left out, since scales of 0 leave them no direction: `lamp`";
+        assert!(baked.warnings.iter().any(|line| line == expected), "{:?}", baked.warnings);
     }
+}
+
+#[test]
+fn a_light_that_is_too_bright_is_an_error_that_names_it() {
+    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 1e30 }"#))]);
+    let message = load(&files.path("a.gltf"), &[]).err().unwrap().to_string();
+    assert!(message.contains("`lamp`: the light is brighter than 1e18"), "{message}");
+}
+
+/// A glTF file of these nodes; mesh 0 is a triangle in the plane Z = 0, camera 0 looks through 60 degrees at a picture
+/// that is half as wide as high.
+fn model_of(nodes: serde_json::Value) -> String {
+    let roots: Vec<usize> = (0..nodes.as_array().unwrap().len()).collect();
+    serde_json::json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": roots }],
+        "nodes": nodes,
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0471975, "znear": 0.1, "aspectRatio": 0.5 } }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        // Three positions: (0, 0, 0), (1, 0, 0), (0, 1, 0).
+        "buffers": [{ "byteLength": 36, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }],
+    })
+    .to_string()
+}
+
+#[test]
+fn nodes_of_scale_0_are_flat_or_left_out_by_name() {
+    let nodes = serde_json::json!([
+        { "mesh": 0, "name": "whole" },
+        { "mesh": 0, "name": "point", "scale": [0, 0, 0] },
+        { "mesh": 0, "name": "line", "scale": [1, 0, 1] },
+        { "mesh": 0, "name": "card", "scale": [2, 1, 0], "translation": [0, 0, 7] },
+        { "mesh": 0, "name": "tilted", "scale": [1, 1, 0], "rotation": [0.6, 0, 0, 0.8] },
+        { "camera": 0, "name": "blind", "scale": [1, 1, 0] },
+    ]);
+    let files = Files::new(&[("a.gltf", &model_of(nodes))]);
+    let (primitives, names) = files.primitives("a.gltf");
+    assert_eq!(names, ["whole", "card", "tilted"]);
+    let card = primitives.instances[1].0;
+    assert_eq!(primitives.meshes[card.mesh as usize].triangles.len(), 1);
+    assert_near(
+        card.to_world,
+        DAffine3::from_scale_rotation_translation(
+            DVec3::new(2.0, 1.0, 2.0),
+            Default::default(),
+            DVec3::Z * 7.0,
+        ),
+    );
+    assert_eq!(card.mesh, primitives.instances[2].0.mesh, "flat copies are shared");
+    let warnings = load(&files.path("a.gltf"), &[]).unwrap().warnings;
+    assert!(warnings.contains(&"left out, since scales of 0 leave no area: `point`, `line`".to_owned()));
+    let blind = "cameras left out, since scales of 0 leave them no direction: `blind`".to_owned();
+    assert!(warnings.contains(&blind), "{warnings:?}");
 }
 
 #[test]

@@ -207,6 +207,21 @@ impl World {
         if name.is_empty() { format!("entity {}", entity.id()) } else { name }
     }
 
+    /// One warning of what concerns several entities, if there are any.
+    pub fn warn_of_names(&mut self, what: &str, names: &[String]) {
+        /// Names listed in full before the line says how many more there are.
+        const SHOWN: usize = 6;
+        if names.is_empty() {
+            return;
+        }
+        let shown = names.iter().take(SHOWN).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let more = match names.len().saturating_sub(SHOWN) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        self.warnings.push(format!("{what}: {shown}{more}"));
+    }
+
     /// A fault of `entity`, at the place where it or the entity that it belongs to is written.
     pub fn fault(&self, entity: Entity, problem: &str, help: &str) -> Fault {
         let span = std::iter::once(entity)

@@ -1,101 +1,155 @@
-//! Typed columns out of buffers: any component type, strided, sparse, every range checked.
+//! Typed columns out of buffers: any component type, strided, sparse, every range checked, nothing read that is not
+//! asked for.
 
+use std::collections::HashMap;
+
+use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 
 use super::buffers::Buffers;
 use crate::asset::error::Flaw;
 
-/// Most elements of an accessor that has no buffer view behind it, whose count the file's size therefore does not
-/// bound.
-const MAX_IMPLICIT: usize = 1 << 24;
+/// Most elements of a column that is read whole but has no buffer view behind it, whose count the file's size therefore
+/// does not bound.
+const MAX_IMPLICIT: usize = 1 << 16;
+/// What stands for the elements of a column without buffer view; no element is longer.
+const ZEROS: [u8; 12] = [0; 12];
 
-/// Reads a column of 3-vectors; integers become floats, normalised where the accessor says so.
-pub(super) fn read_vectors(accessor: &gltf::Accessor, buffers: &Buffers) -> Result<Vec<[f32; 3]>, Flaw> {
-    if accessor.dimensions() != Dimensions::Vec3 {
-        return Err(damaged(accessor, "does not hold 3-vectors"));
-    }
-    let (kind, normalized) = (accessor.data_type(), accessor.normalized());
-    let size = kind.size();
-    read(accessor, buffers, |bytes| {
-        [0, 1, 2].map(|axis| component(bytes.get(axis * size..).unwrap_or(&[]), kind, normalized))
-    })
-}
-
-/// Reads a column of vertex indices.
-pub(super) fn read_indices(accessor: &gltf::Accessor, buffers: &Buffers) -> Result<Vec<u32>, Flaw> {
-    let kind = accessor.data_type();
-    let unsigned = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
-    if accessor.dimensions() != Dimensions::Scalar || !unsigned {
-        return Err(damaged(accessor, "does not hold indices"));
-    }
-    read(accessor, buffers, |bytes| unsigned_integer(bytes, kind.size()))
-}
-
-/// Reads the elements, then lays the sparse ones over them.
-fn read<T: Copy>(
-    accessor: &gltf::Accessor,
-    buffers: &Buffers,
-    decode: impl Fn(&[u8]) -> T,
-) -> Result<Vec<T>, Flaw> {
-    let (count, size) = (accessor.count(), accessor.size());
-    let mut values = match accessor.view() {
-        Some(view) => {
-            let bytes = buffers.view(&view)?;
-            let stride = view.stride().filter(|stride| *stride > 0).unwrap_or(size);
-            let elements = strided(bytes, accessor.offset(), stride, size, count)
-                .ok_or_else(|| damaged(accessor, "reaches beyond its buffer view"))?;
-            let mut values = Vec::with_capacity(count);
-            values.extend(elements.map(&decode));
-            values
-        }
-        None if count <= MAX_IMPLICIT => vec![decode(&vec![0; size]); count],
-        None => return Err(damaged(accessor, "has too many elements")),
-    };
-    let Some(sparse) = accessor.sparse() else {
-        return Ok(values);
-    };
-    let index_size = match sparse.indices().index_type() {
-        gltf::accessor::sparse::IndexType::U8 => 1,
-        gltf::accessor::sparse::IndexType::U16 => 2,
-        gltf::accessor::sparse::IndexType::U32 => 4,
-    };
-    let index_bytes = buffers.view(&sparse.indices().view())?;
-    let value_bytes = buffers.view(&sparse.values().view())?;
-    let indices = strided(index_bytes, sparse.indices().offset(), index_size, index_size, sparse.count());
-    let replacements = strided(value_bytes, sparse.values().offset(), size, size, sparse.count());
-    let (Some(indices), Some(replacements)) = (indices, replacements) else {
-        return Err(damaged(accessor, "has sparse values beyond their buffer view"));
-    };
-    for (index, replacement) in indices.zip(replacements) {
-        let index = unsigned_integer(index, index_size) as usize;
-        let value =
-            values.get_mut(index).ok_or_else(|| damaged(accessor, "has a sparse index out of range"))?;
-        *value = decode(replacement);
-    }
-    Ok(values)
-}
-
-/// `count` elements of `size` bytes, `stride` apart; `None` if the last one does not fit.
-fn strided(
-    bytes: &[u8],
-    offset: usize,
-    stride: usize,
-    size: usize,
+/// A column of elements in the bytes of a file.
+pub(super) struct Column<'a> {
+    index: usize,
     count: usize,
-) -> Option<impl Iterator<Item = &[u8]>> {
-    let last = count.saturating_sub(1).checked_mul(stride)?.checked_add(offset)?;
-    let fits = count == 0 || last.checked_add(size)? <= bytes.len();
-    fits.then(|| (0..count).filter_map(move |i| bytes.get(offset + i * stride..)?.get(..size)))
+    kind: DataType,
+    normalized: bool,
+    size: usize,
+    /// Bytes of the elements and the distance between two; all zero without.
+    dense: Option<(&'a [u8], usize)>,
+    /// Elements that replace those, by index.
+    sparse: HashMap<u32, &'a [u8]>,
+}
+
+impl<'a> Column<'a> {
+    /// A column of 3-vectors.
+    pub fn of_vectors(accessor: &gltf::Accessor, buffers: &'a Buffers) -> Result<Self, Flaw> {
+        if accessor.dimensions() != Dimensions::Vec3 {
+            return Err(damaged(accessor.index(), "does not hold 3-vectors"));
+        }
+        Self::open(accessor, buffers)
+    }
+
+    /// A column of vertex indices.
+    pub fn of_indices(accessor: &gltf::Accessor, buffers: &'a Buffers) -> Result<Self, Flaw> {
+        let unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
+        if accessor.dimensions() != Dimensions::Scalar || !unsigned {
+            return Err(damaged(accessor.index(), "does not hold indices"));
+        }
+        Self::open(accessor, buffers)
+    }
+
+    fn open(accessor: &gltf::Accessor, buffers: &'a Buffers) -> Result<Self, Flaw> {
+        let (index, count, size) = (accessor.index(), accessor.count(), accessor.size());
+        let dense = match accessor.view() {
+            Some(view) => {
+                let stride = view.stride().filter(|stride| *stride > 0).unwrap_or(size);
+                let bytes = strided(buffers.view(&view)?, accessor.offset(), stride, size, count)
+                    .ok_or_else(|| damaged(index, "reaches beyond its buffer view"))?;
+                Some((bytes, stride))
+            }
+            None => None,
+        };
+        let mut column = Self {
+            index,
+            count,
+            kind: accessor.data_type(),
+            normalized: accessor.normalized(),
+            size,
+            dense,
+            sparse: HashMap::new(),
+        };
+        if let Some(sparse) = accessor.sparse() {
+            column.replace(&sparse, buffers)?;
+        }
+        Ok(column)
+    }
+
+    fn replace(&mut self, sparse: &gltf::accessor::sparse::Sparse, buffers: &'a Buffers) -> Result<(), Flaw> {
+        let index_size = match sparse.indices().index_type() {
+            IndexType::U8 => 1,
+            IndexType::U16 => 2,
+            IndexType::U32 => 4,
+        };
+        let (count, size) = (sparse.count(), self.size);
+        let indices = buffers.view(&sparse.indices().view())?;
+        let values = buffers.view(&sparse.values().view())?;
+        let indices = strided(indices, sparse.indices().offset(), index_size, index_size, count);
+        let values = strided(values, sparse.values().offset(), size, size, count);
+        let (Some(indices), Some(values)) = (indices, values) else {
+            return Err(damaged(self.index, "has sparse values beyond their buffer view"));
+        };
+        for (index, value) in indices.chunks_exact(index_size).zip(values.chunks_exact(size)).take(count) {
+            let index = unsigned_integer(index);
+            if index as usize >= self.count {
+                return Err(damaged(self.index, "has a sparse index out of range"));
+            }
+            self.sparse.insert(index, value);
+        }
+        Ok(())
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Number of elements of a column that is read whole.
+    pub fn len_in_full(&self) -> Result<u32, Flaw> {
+        let bounded = self.dense.is_some() || self.count <= MAX_IMPLICIT;
+        let count = u32::try_from(self.count).ok().filter(|_| bounded);
+        count.ok_or_else(|| damaged(self.index, "has too many elements"))
+    }
+
+    /// A 3-vector, zero if there is none; integers become floats, normalised where the accessor says so.
+    pub fn vector(&self, index: u32) -> [f32; 3] {
+        let bytes = self.element(index);
+        let size = self.kind.size();
+        [0, 1, 2].map(|axis| {
+            let bytes = bytes.get(axis * size..).and_then(|bytes| bytes.get(..size)).unwrap_or_default();
+            component(bytes, self.kind, self.normalized)
+        })
+    }
+
+    /// All vertex indices.
+    pub fn indices(&self) -> Result<Vec<u32>, Flaw> {
+        Ok((0..self.len_in_full()?).map(|index| unsigned_integer(self.element(index))).collect())
+    }
+
+    fn element(&self, index: u32) -> &[u8] {
+        let replaced = if self.sparse.is_empty() { None } else { self.sparse.get(&index).copied() };
+        let dense = || {
+            let (bytes, stride) = self.dense?;
+            bytes.get(index as usize * stride..)?.get(..self.size)
+        };
+        replaced.or_else(dense).unwrap_or(ZEROS.get(..self.size).unwrap_or_default())
+    }
+}
+
+/// The bytes of `count` elements of `size` bytes, `stride` apart; `None` if the last one does not fit.
+fn strided(bytes: &[u8], offset: usize, stride: usize, size: usize, count: usize) -> Option<&[u8]> {
+    let Some(last) = count.checked_sub(1) else {
+        return Some(&[]);
+    };
+    let end = last.checked_mul(stride)?.checked_add(offset)?.checked_add(size)?;
+    bytes.get(offset..end)
 }
 
 /// Little-endian unsigned integer of up to 4 bytes.
-fn unsigned_integer(bytes: &[u8], size: usize) -> u32 {
-    bytes.iter().take(size).rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
+fn unsigned_integer(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
 }
 
 /// One component as a float (glTF 2.0 §3.6.2.2 for the normalised ones).
 fn component(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
-    let bits = unsigned_integer(bytes, kind.size());
+    let bits = unsigned_integer(bytes);
     let (value, largest) = match kind {
         DataType::I8 => (f32::from(bits as u8 as i8), f32::from(i8::MAX)),
         DataType::U8 => (f32::from(bits as u8), f32::from(u8::MAX)),
@@ -107,6 +161,6 @@ fn component(bytes: &[u8], kind: DataType, normalized: bool) -> f32 {
     if normalized { (value / largest).max(-1.0) } else { value }
 }
 
-fn damaged(accessor: &gltf::Accessor, what: &str) -> Flaw {
-    Flaw::new(format!("accessor {} {what}", accessor.index()), "the file is damaged; export it again")
+fn damaged(accessor: usize, what: &str) -> Flaw {
+    Flaw::new(format!("accessor {accessor} {what}"), "the file is damaged; export it again")
 }

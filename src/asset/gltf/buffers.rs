@@ -1,7 +1,12 @@
 //! The bytes behind a glTF file: its binary chunk, files beside it, and data URIs.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::collections::HashMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use data_url::DataUrl;
+use percent_encoding::percent_decode_str;
 
 use crate::asset::error::Flaw;
 use crate::asset::files::Files;
@@ -12,29 +17,48 @@ pub(super) struct Buffers<'a> {
     gltf: &'a gltf::Gltf,
     folder: &'a Path,
     files: &'a Files,
-    buffers: Vec<Cow<'a, [u8]>>,
+    /// Each content once, however many buffers have its address.
+    contents: Vec<Cow<'a, [u8]>>,
+    /// Index in `contents` of each buffer.
+    buffers: Vec<usize>,
 }
 
 impl<'a> Buffers<'a> {
     /// Reads all buffers; relative URIs are relative to `folder`.
     pub fn read(gltf: &'a gltf::Gltf, folder: &'a Path, files: &'a Files) -> Result<Self, Flaw> {
-        let read = |buffer: gltf::Buffer| {
-            let bytes = match buffer.source() {
-                gltf::buffer::Source::Bin => gltf.blob.as_deref().map(Cow::Borrowed).ok_or_else(|| {
-                    Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
-                }),
-                gltf::buffer::Source::Uri(uri) => read_uri(uri, folder, files).map(Cow::Owned),
+        let mut read = Self { gltf, folder, files, contents: Vec::new(), buffers: Vec::new() };
+        let mut known = HashMap::new();
+        for buffer in gltf.buffers() {
+            let place = |flaw: Flaw| flaw.at(format!("buffer {}", buffer.index()));
+            let address = match buffer.source() {
+                gltf::buffer::Source::Bin => None,
+                gltf::buffer::Source::Uri(uri) => Some(uri),
+            };
+            let index = match known.get(&address) {
+                Some(index) => *index,
+                None => {
+                    read.contents.push(content(gltf, address, folder, files).map_err(place)?);
+                    known.insert(address, read.contents.len() - 1);
+                    read.contents.len() - 1
+                }
+            };
+            read.buffers.push(index);
+            let length = read.content(buffer.index()).map_or(0, <[u8]>::len);
+            if length < buffer.length() {
+                let problem = format!("it has {length} bytes instead of {}", buffer.length());
+                return Err(place(Flaw::new(problem, "the file is cut off; copy or export it again")));
             }
-            .map_err(|flaw| flaw.at(format!("buffer {}", buffer.index())))?;
-            if bytes.len() >= buffer.length() {
-                return Ok(bytes);
-            }
-            Err(Flaw::new(
-                format!("buffer {} has {} bytes instead of {}", buffer.index(), bytes.len(), buffer.length()),
-                "the file is cut off; copy or export it again",
-            ))
-        };
-        Ok(Self { gltf, folder, files, buffers: gltf.buffers().map(read).collect::<Result<_, _>>()? })
+        }
+        Ok(read)
+    }
+
+    /// Bytes of all contents.
+    pub fn size(&self) -> usize {
+        self.contents.iter().map(|content| content.len()).sum()
+    }
+
+    fn content(&self, buffer: usize) -> Option<&[u8]> {
+        self.contents.get(*self.buffers.get(buffer)?).map(AsRef::as_ref)
     }
 
     /// How much memory may be used.
@@ -45,7 +69,7 @@ impl<'a> Buffers<'a> {
     /// The bytes of a buffer view.
     pub fn view(&self, view: &gltf::buffer::View) -> Result<&[u8], Flaw> {
         let end = view.offset().checked_add(view.length());
-        let bytes = self.buffers.get(view.buffer().index());
+        let bytes = self.content(view.buffer().index());
         bytes.zip(end).and_then(|(bytes, end)| bytes.get(view.offset()..end)).ok_or_else(|| {
             Flaw::new(
                 format!("buffer view {} reaches beyond its buffer", view.index()),
@@ -55,78 +79,106 @@ impl<'a> Buffers<'a> {
     }
 
     /// The bytes of an encoded image.
-    ///
-    /// Goes by the JSON, since the crate's `Image::source` panics on an image without media type.
-    pub fn image(&self, image: &gltf::Image) -> Result<Cow<'_, [u8]>, Flaw> {
-        let json = self.gltf.document.as_json().images.get(image.index());
-        let view = json.and_then(|json| self.gltf.views().nth(json.buffer_view?.value()));
-        let uri = json.and_then(|json| json.uri.as_deref());
-        match (view, uri) {
-            (Some(view), _) => self.view(&view).map(Cow::Borrowed),
-            (None, Some(uri)) => read_uri(uri, self.folder, self.files).map(Cow::Owned),
-            (None, None) => Err(Flaw::new("the image has no data", "export the file again")),
+    pub fn image(&self, image: ImageSource) -> Result<Cow<'_, [u8]>, Flaw> {
+        match image {
+            ImageSource::View(index) => match self.gltf.views().nth(index) {
+                Some(view) => self.view(&view).map(Cow::Borrowed),
+                None => Err(Flaw::new("the image has no data", "export the file again")),
+            },
+            ImageSource::Uri(uri) => read_uri(uri, self.folder, self.files).map(Cow::Owned),
         }
+    }
+}
+
+/// Where an encoded image is; images with the same one are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum ImageSource<'a> {
+    /// Index of a buffer view.
+    View(usize),
+    /// Address of a file, or a data URI.
+    Uri(&'a str),
+}
+
+impl<'a> ImageSource<'a> {
+    /// Goes by the JSON, since the crate's `Image::source` panics on an image without media type or address.
+    pub fn of(gltf: &'a gltf::Gltf, image: &gltf::Image) -> Option<Self> {
+        let json = gltf.document.as_json().images.get(image.index())?;
+        let view = json.buffer_view.map(|view| Self::View(view.value()));
+        view.or_else(|| json.uri.as_deref().map(Self::Uri))
+    }
+}
+
+/// The binary chunk, or what is at an address.
+fn content<'a>(
+    gltf: &'a gltf::Gltf,
+    address: Option<&str>,
+    folder: &Path,
+    files: &Files,
+) -> Result<Cow<'a, [u8]>, Flaw> {
+    match address {
+        Some(uri) => read_uri(uri, folder, files).map(Cow::Owned),
+        None => gltf.blob.as_deref().map(Cow::Borrowed).ok_or_else(|| {
+            Flaw::new("the binary chunk is missing", "the file is cut off; copy or export it again")
+        }),
     }
 }
 
 /// Reads a data URI or a file.
 fn read_uri(uri: &str, folder: &Path, files: &Files) -> Result<Vec<u8>, Flaw> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-        return encoded.and_then(decode_base64).ok_or_else(|| {
-            Flaw::new("the data URI is not base64", "export with a separate .bin file or as .glb")
-        });
+    let start = uri.trim_start();
+    if start.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        return read_data_uri(start);
     }
-    let path = folder.join(decode_percent(uri));
-    files.read(&path).map_err(|error| {
-        Flaw::new(format!("{} cannot be read: {error}", path.display()), "put the file beside the .gltf file")
-    })
+    match start.split_once("://") {
+        Some((scheme, _)) => Err(Flaw::new(
+            format!("addresses of the kind {scheme}:// are not followed"),
+            "put the file beside the .gltf file, and its name into it",
+        )),
+        None => read_file(uri, folder, files),
+    }
 }
 
-/// Standard base64 (RFC 4648) with or without padding.
-fn decode_base64(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut count) = (0u32, 0);
-    for symbol in text.trim_end_matches('=').bytes() {
-        let value = match symbol {
-            b'A'..=b'Z' => symbol - b'A',
-            b'a'..=b'z' => symbol - b'a' + 26,
-            b'0'..=b'9' => symbol - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-            bits &= (1 << count) - 1;
+/// Decodes a data URI, as forgiving as browsers: any case, white space anywhere, with or without media type and
+/// padding, base64 or not.
+fn read_data_uri(uri: &str) -> Result<Vec<u8>, Flaw> {
+    let help = "export with a separate .bin file or as .glb";
+    let data =
+        DataUrl::process(uri).map_err(|_| Flaw::new("the data URI has no comma before its data", help))?;
+    let decoded = data.decode_to_vec();
+    decoded.map(|(bytes, _)| bytes).map_err(|_| Flaw::new("the data URI is not base64", help))
+}
+
+/// Reads the first file that there is of those that an address may mean.
+fn read_file(uri: &str, folder: &Path, files: &Files) -> Result<Vec<u8>, Flaw> {
+    let paths: Vec<PathBuf> = names(uri).iter().map(|name| folder.join(name.as_ref())).collect();
+    let mut failed = Vec::new();
+    for path in &paths {
+        match files.read(path) {
+            Ok(bytes) => return Ok(bytes),
+            Err(error) if error.kind() == ErrorKind::NotFound => failed.push((path, error)),
+            Err(error) => {
+                failed = vec![(path, error)];
+                break;
+            }
         }
     }
-    Some(bytes)
+    let problems: Vec<String> =
+        failed.iter().map(|(path, error)| format!("{} cannot be read: {error}", path.display())).collect();
+    Err(Flaw::new(problems.join("; "), "put the file beside the .gltf file"))
 }
 
-/// `%20` and the like become the bytes they stand for.
-fn decode_percent(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let [first, tail @ ..] = rest {
-        let escaped = match rest {
-            [b'%', high, low, tail @ ..] => {
-                hex(*high).zip(hex(*low)).map(|(high, low)| (high << 4 | low, tail))
-            }
-            _ => None,
-        };
-        let (byte, tail) = escaped.unwrap_or((*first, tail));
-        bytes.push(byte);
-        rest = tail;
+/// The names that an address may stand for, each once: its escapes decoded, as it stands, and with slashes for
+/// backslashes.
+fn names(uri: &str) -> Vec<Cow<'_, str>> {
+    let decoded = percent_decode_str(uri).decode_utf8_lossy();
+    let slashes = decoded.replace('\\', "/");
+    let mut names = vec![decoded];
+    for name in [Cow::Borrowed(uri), Cow::Owned(slashes)] {
+        if !names.contains(&name) {
+            names.push(name);
+        }
     }
-    String::from_utf8_lossy(&bytes).into_owned()
-}
-
-fn hex(digit: u8) -> Option<u8> {
-    (digit as char).to_digit(16).map(|value| value as u8)
+    names
 }
 
 #[cfg(test)]
@@ -134,16 +186,32 @@ mod tests {
     use super::*;
 
     #[test]
-    fn base64_decodes_with_and_without_padding() {
-        assert_eq!(decode_base64("SGVsbG8="), Some(b"Hello".to_vec()));
-        assert_eq!(decode_base64("SGVsbG8"), Some(b"Hello".to_vec()));
-        assert_eq!(decode_base64("+/8="), Some(vec![0xfb, 0xff]));
-        assert_eq!(decode_base64("a b"), None);
+    fn data_uris_are_read_as_browsers_read_them() {
+        for uri in [
+            "data:application/octet-stream;base64,SGVsbG8=",
+            "data:;base64,SGVsbG8",
+            "data:base64;base64,SGVsbG8=",
+            "DATA:Application/Octet-Stream;BASE64,SGVsbG8=",
+            "data:application/gltf-buffer;charset=x;base64,SGVs\r\n  bG8=\n",
+            "data:;base64 ,SGVsbG8%3D",
+            "data:,Hello",
+            "data:text/plain,H%65llo",
+        ] {
+            assert_eq!(read_data_uri(uri), Ok(b"Hello".to_vec()), "{uri}");
+        }
+        assert_eq!(read_data_uri("data:;base64,+/8="), Ok(vec![0xfb, 0xff]));
+        assert!(read_data_uri("data:;base64,a-b").unwrap_err().problem.contains("not base64"));
+        assert!(read_data_uri("data:;base64").unwrap_err().problem.contains("comma"));
     }
 
     #[test]
-    fn percent_escapes_decode_and_broken_ones_stay() {
-        assert_eq!(decode_percent("my%20mesh%2e.bin%"), "my mesh..bin%");
-        assert_eq!(decode_percent("%zz"), "%zz");
+    fn an_address_stands_for_its_decoded_name_first_and_then_for_itself() {
+        assert_eq!(names("a.bin"), ["a.bin"]);
+        assert_eq!(names("my%20mesh%2e.bin%"), ["my mesh..bin%", "my%20mesh%2e.bin%"]);
+        assert_eq!(names("%zz"), ["%zz"]);
+        assert_eq!(
+            names("textures\\a%20b.png"),
+            ["textures\\a b.png", "textures\\a%20b.png", "textures/a b.png"]
+        );
     }
 }

@@ -1,9 +1,8 @@
 //! glTF's metallic-roughness materials → the tracer's lobes.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::buffers::Buffers;
-use crate::asset::image::decode_texture;
+use super::texture::MeanColours;
 use crate::asset::notes::Notes;
 use crate::shade::{Lobe, Material};
 
@@ -11,6 +10,8 @@ use crate::shade::{Lobe, Material};
 const SMOOTH: f32 = 0.05;
 /// Index of refraction without `KHR_materials_ior`.
 const DEFAULT_IOR: f32 = 1.5;
+/// Largest emission, as in scene files.
+const BRIGHTEST: f32 = 1e18;
 /// Extensions of materials that are read here.
 const READ: [&str; 4] = [
     "KHR_materials_emissive_strength",
@@ -20,25 +21,19 @@ const READ: [&str; 4] = [
 ];
 
 /// The nearest material that the tracer has; what is lost goes to `notes`.
-pub(super) fn convert(material: &gltf::Material, buffers: &Buffers, notes: &mut Notes) -> Material {
+pub(super) fn convert(material: &gltf::Material, textures: &mut MeanColours, notes: &mut Notes) -> Material {
     let name = name_of(material);
     note_ignored(material, notes, &name);
-    let [r, g, b, _] = material.pbr_metallic_roughness().base_color_factor();
-    let colour = Vec3::new(r, g, b) * texture_mean(material, buffers, notes, &name);
+    let pbr = material.pbr_metallic_roughness();
+    let [r, g, b, _] = pbr.base_color_factor();
+    let texture = pbr.base_color_texture().map(|info| info.texture());
+    let colour = Vec3::new(r, g, b) * mean("base colour", texture, textures, notes, &name);
     let base = Vec3::select(colour.is_nan_mask(), Vec3::ZERO, colour).clamp(Vec3::ZERO, Vec3::ONE);
     if base != colour {
         notes.add("colours outside 0..1 are clamped, in material", &name);
     }
-    let emission = Vec3::from(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
-    let usable = emission.is_finite() && emission.cmpge(Vec3::ZERO).all();
-    if !usable {
-        notes.add("emission that is negative or not finite is ignored, in material", &name);
-    }
-    Material {
-        lobe: lobe(material, base, notes, &name),
-        emission: if usable { emission } else { Vec3::ZERO },
-        emits_both_sides: material.double_sided(),
-    }
+    let emission = emission(material, textures, notes, &name);
+    Material { lobe: lobe(material, base, notes, &name), emission, emits_both_sides: material.double_sided() }
 }
 
 fn name_of(material: &gltf::Material) -> String {
@@ -49,23 +44,42 @@ fn name_of(material: &gltf::Material) -> String {
     }
 }
 
-/// Mean of the base colour texture, white without one: walls and floors then reflect the right amount of light.
-fn texture_mean(material: &gltf::Material, buffers: &Buffers, notes: &mut Notes, name: &str) -> Vec3 {
-    let Some(texture) = material.pbr_metallic_roughness().base_color_texture() else {
-        return Vec3::ONE;
-    };
-    let image = texture.texture().source();
-    match buffers.image(&image).and_then(|bytes| decode_texture(&bytes, &buffers.memory())) {
-        Ok(picture) => {
-            notes.add("base colour texture is replaced by its mean, in material", name);
-            let sum: DVec3 = picture.pixels.iter().map(|pixel| pixel.as_dvec3()).sum();
-            (sum / picture.pixels.len() as f64).as_vec3()
+/// Mean of a texture, white without one: walls, floors and lamps then give the right amount of light.
+fn mean(
+    kind: &str,
+    texture: Option<gltf::Texture>,
+    textures: &mut MeanColours,
+    notes: &mut Notes,
+    name: &str,
+) -> Vec3 {
+    match texture.map(|texture| textures.of(&texture)) {
+        None => Vec3::ONE,
+        Some(Ok(mean)) => {
+            notes.add(format!("{kind} texture is replaced by its mean, in material"), name);
+            mean
         }
-        Err(flaw) => {
-            notes.add(format!("base colour texture is ignored ({}), in material", flaw.problem), name);
+        Some(Err(problem)) => {
+            notes.add(format!("{kind} texture is ignored ({problem}), in material"), name);
             Vec3::ONE
         }
     }
+}
+
+fn emission(material: &gltf::Material, textures: &mut MeanColours, notes: &mut Notes, name: &str) -> Vec3 {
+    let factor = Vec3::from(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
+    if factor == Vec3::ZERO {
+        return Vec3::ZERO;
+    }
+    let texture = material.emissive_texture().map(|info| info.texture());
+    let emission = factor * mean("emission", texture, textures, notes, name);
+    if emission.is_nan() || emission.cmplt(Vec3::ZERO).any() {
+        notes.add("emission that is negative or not a number is ignored, in material", name);
+        return Vec3::ZERO;
+    }
+    if emission.max_element() > BRIGHTEST {
+        notes.add("emission above 1e18 is clamped, in material", name);
+    }
+    emission.min(Vec3::splat(BRIGHTEST))
 }
 
 fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
@@ -102,7 +116,6 @@ fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
         ("metal and roughness", pbr.metallic_roughness_texture().is_some()),
         ("normal", material.normal_texture().is_some()),
         ("occlusion", material.occlusion_texture().is_some()),
-        ("emission", material.emissive_texture().is_some()),
         ("transmission", transmission),
     ];
     for (kind, _) in textures.iter().filter(|(_, present)| *present) {

@@ -2,12 +2,16 @@
 
 mod accessor;
 mod buffers;
+mod container;
+mod empty;
 mod light;
 mod material;
 mod primitive;
+mod texture;
 mod validate;
 
 use std::collections::{HashMap, HashSet, VecDeque};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
@@ -17,23 +21,32 @@ use super::files::Files;
 use super::model::{Lens, Model, Node, Part};
 use super::notes::Notes;
 use buffers::Buffers;
+use gltf::json::validation::Checked;
+use texture::MeanColours;
+
+/// Width over height of pictures that somebody may want.
+const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
+/// Bytes of surfaces that need no reason.
+const SMALL: usize = 1 << 20;
+/// Most bytes of surfaces per byte of the buffers: a triangle of three indices of a byte each, with its own three
+/// vertices, is 28 times as large here.
+const MOST_PER_BYTE: usize = 64;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// A base colour texture counts as its mean colour. Other textures, animation, skins and instancing are not read;
-/// [`Model::warnings`] says where they were met.
+/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and instancing
+/// are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node without
+/// anything that is named `BlackHole` places a black hole.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
 /// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
 /// an intensity or cone angles that make no sense.
 pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
-    // The bytes are gone before the meshes are there.
-    let gltf =
-        validate::parse(&AssetError::read(path, files)?).map_err(|flaw| AssetError::content(path, flaw))?;
+    let bytes = AssetError::read(path, files)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = Import::default();
-    import.document(&gltf, folder, files).map_err(|flaw| AssetError::content(path, flaw))?;
+    import.file(bytes, folder, files).map_err(|flaw| AssetError::content(path, flaw))?;
     import.model.warnings = import.notes.into_lines(&path.display().to_string());
     Ok(import.model)
 }
@@ -45,6 +58,10 @@ struct Import {
     notes: Notes,
     /// Parts of each glTF mesh read so far, so that nodes share it.
     parts: HashMap<usize, Vec<Part>>,
+    /// Index in the model of each surface read so far, so that primitives share it; `None` if it has no area.
+    surfaces: HashMap<primitive::Source, Option<usize>>,
+    /// Bytes of the surfaces read so far.
+    size: usize,
     /// Index in the model of the material for primitives without one.
     default_material: Option<usize>,
     /// Degenerate triangles dropped.
@@ -52,12 +69,14 @@ struct Import {
 }
 
 impl Import {
-    fn document(&mut self, gltf: &gltf::Gltf, folder: &Path, files: &Files) -> Result<(), Flaw> {
-        let buffers = Buffers::read(gltf, folder, files)?;
-        let notes = &mut self.notes;
-        let materials = gltf.materials().map(|material| material::convert(&material, &buffers, notes));
+    fn file(&mut self, bytes: Vec<u8>, folder: &Path, files: &Files) -> Result<(), Flaw> {
+        let gltf = container::open(bytes)?;
+        validate::check(gltf.document.as_json())?;
+        let buffers = Buffers::read(&gltf, folder, files)?;
+        let (notes, mut textures) = (&mut self.notes, MeanColours::new(&gltf, &buffers));
+        let materials = gltf.materials().map(|material| material::convert(&material, &mut textures, notes));
         self.model.materials = materials.collect();
-        self.nodes(gltf, &buffers)?;
+        self.nodes(&gltf, &buffers)?;
         for animation in gltf.animations() {
             let name = animation.name().unwrap_or("unnamed");
             self.notes.add("animation ignored, the rest pose is used", name);
@@ -82,36 +101,60 @@ impl Import {
                 ));
             }
             let index = self.model.nodes.len();
+            if is_hidden(&node) {
+                self.notes.add("nodes that are not visible are left out, with all below them", name);
+                continue;
+            }
             let node_at = |flaw: Flaw| flaw.at(format!("node `{name}`"));
-            let converted = self.node(&node, parent, buffers).map_err(node_at)?;
+            let converted = self.node(gltf, &node, parent, buffers).map_err(node_at)?;
             self.model.nodes.push(converted);
             queue.extend(node.children().map(|child| (child, Some(index))));
         }
         Ok(())
     }
 
-    fn node(&mut self, node: &gltf::Node, parent: Option<usize>, buffers: &Buffers) -> Result<Node, Flaw> {
+    fn node(
+        &mut self,
+        gltf: &gltf::Gltf,
+        node: &gltf::Node,
+        parent: Option<usize>,
+        buffers: &Buffers,
+    ) -> Result<Node, Flaw> {
         let name = name_of(node);
         self.note_ignored(node, &name);
         let parts = match node.mesh() {
             Some(mesh) => self.mesh(&mesh, buffers)?,
             None => Vec::new(),
         };
-        let lens = node.camera().and_then(|camera| match camera.projection() {
-            gltf::camera::Projection::Perspective(lens) => Some(Lens { vertical_fov: lens.yfov().into() }),
-            gltf::camera::Projection::Orthographic(_) => {
-                self.notes.add("orthographic cameras are ignored", &name);
-                None
-            }
-        });
+        let lens = node.camera().and_then(|camera| self.lens(gltf, &camera, &name));
         let light = node.light().map(|light| light::convert(&light, &mut self.notes)).transpose()?;
-        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens, light })
+        let hole = empty::hole(node, &name, &mut self.notes)?;
+        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens, light, hole })
+    }
+
+    /// Goes by the JSON, since the crate's `Camera::projection` panics on a camera without lens.
+    fn lens(&mut self, gltf: &gltf::Gltf, camera: &gltf::Camera, node: &str) -> Option<Lens> {
+        let json = gltf.document.as_json().cameras.get(camera.index())?;
+        if json.type_ == Checked::Valid(gltf::json::camera::Type::Orthographic) {
+            self.notes.add("orthographic cameras are ignored", node);
+            return None;
+        }
+        let Some(lens) = &json.perspective else {
+            self.notes.add("cameras without a lens (`perspective`) are ignored", node);
+            return None;
+        };
+        let aspect = lens.aspect_ratio.filter(|aspect| USUAL_ASPECTS.contains(aspect)).map(f64::from);
+        if aspect.is_none() && lens.aspect_ratio.is_some() {
+            self.notes.add("aspect ratio that makes no sense is ignored, of camera", node);
+        }
+        Some(Lens { vertical_fov: lens.yfov.into(), aspect })
     }
 
     fn note_ignored(&mut self, node: &gltf::Node, name: &str) {
         let extensions = node.extensions().into_iter().flat_map(|map| map.keys());
         for extension in extensions {
             let kind = match extension.as_str() {
+                "KHR_node_visibility" => continue,
                 "EXT_mesh_gpu_instancing" => {
                     "instances (EXT_mesh_gpu_instancing) are ignored, the mesh is placed once".to_owned()
                 }
@@ -132,17 +175,51 @@ impl Import {
         let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
-            let read = primitive::read(&primitive, buffers, &mut self.notes, &name)
+            let surface = self
+                .surface(&primitive, buffers, &name)
                 .map_err(|flaw| flaw.at(format!("mesh `{name}`, primitive {}", primitive.index())))?;
-            if let Some((triangles, dropped)) = read {
-                self.dropped += dropped;
-                let material = self.material_index(&primitive);
-                parts.push(Part { mesh: self.model.meshes.len(), material });
-                self.model.meshes.push(triangles);
+            if let Some(surface) = surface {
+                parts.push(Part { mesh: surface, material: self.material_index(&primitive) });
             }
         }
         self.parts.insert(mesh.index(), parts.clone());
         Ok(parts)
+    }
+
+    /// Index in the model of a primitive's surface, read once however many primitives have it; `None` without area.
+    fn surface(
+        &mut self,
+        primitive: &gltf::Primitive,
+        buffers: &Buffers,
+        name: &str,
+    ) -> Result<Option<usize>, Flaw> {
+        let Some(source) = primitive::source(primitive, &mut self.notes, name)? else {
+            return Ok(None);
+        };
+        if let Some(known) = self.surfaces.get(&source) {
+            return Ok(*known);
+        }
+        let (mesh, dropped) = primitive::read(primitive, buffers, &mut self.notes, name)?;
+        let index = if mesh.triangles.is_empty() {
+            self.notes.add("surfaces without area (collapsed or empty) are left out, in mesh", name);
+            None
+        } else {
+            self.dropped += dropped;
+            self.size += 12 * (mesh.positions.len() + mesh.normals.len() + mesh.triangles.len());
+            self.model.meshes.push(mesh);
+            Some(self.model.meshes.len() - 1)
+        };
+        if self.size > SMALL + MOST_PER_BYTE * buffers.size() {
+            return Err(Flaw::new(
+                format!(
+                    "the surfaces up to here take {} times the bytes that they are read from",
+                    MOST_PER_BYTE
+                ),
+                "the file is damaged: its accessors overlap; export it again",
+            ));
+        }
+        self.surfaces.insert(source, index);
+        Ok(index)
     }
 
     fn material_index(&mut self, primitive: &gltf::Primitive) -> usize {
@@ -154,6 +231,12 @@ impl Import {
             })
         })
     }
+}
+
+/// Whether `KHR_node_visibility` hides the node, and all below it.
+fn is_hidden(node: &gltf::Node) -> bool {
+    let visibility = node.extension_value("KHR_node_visibility");
+    visibility.and_then(|values| values.get("visible")?.as_bool()) == Some(false)
 }
 
 /// Roots of the default scene; of the first if none is the default; of the whole file if it has no scene.

@@ -2,20 +2,29 @@
 
 use gltf::mesh::{Mode, Semantic};
 
-use super::accessor::{read_indices, read_vectors};
+use super::accessor::Column;
 use super::buffers::Buffers;
 use crate::asset::error::Flaw;
 use crate::asset::notes::Notes;
 use crate::asset::tidy::tidy;
 use crate::geometry::Mesh;
 
-/// Reads a primitive of the mesh called `name`, and how many degenerate triangles it had; `None` if it has no surface.
-pub(super) fn read(
+/// The accessors that a surface is made of, by index, and how; primitives with the same ones are the same surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Source {
+    positions: usize,
+    normals: Option<usize>,
+    indices: Option<usize>,
+    /// As in the file.
+    mode: u32,
+}
+
+/// What a primitive of the mesh called `name` is made of; `None` if it has no surface.
+pub(super) fn source(
     primitive: &gltf::Primitive,
-    buffers: &Buffers,
     notes: &mut Notes,
     name: &str,
-) -> Result<Option<(Mesh, usize)>, Flaw> {
+) -> Result<Option<Source>, Flaw> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         notes.add("points and lines have no surface and are ignored, in mesh", name);
         return Ok(None);
@@ -26,25 +35,74 @@ pub(super) fn read(
     if primitive.get(&Semantic::Colors(0)).is_some() {
         notes.add("vertex colours are ignored, in mesh", name);
     }
-    let position = primitive
+    let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
-    let positions = read_vectors(&position, buffers)?;
-    let mut normals = match primitive.get(&Semantic::Normals) {
-        Some(accessor) => read_vectors(&accessor, buffers)?,
-        None => Vec::new(),
+    Ok(Some(Source {
+        positions: positions.index(),
+        normals: primitive.get(&Semantic::Normals).map(|accessor| accessor.index()),
+        indices: primitive.indices().map(|accessor| accessor.index()),
+        mode: primitive.mode().as_gl_enum(),
+    }))
+}
+
+/// Reads the surface of a primitive of the mesh called `name`, and how many degenerate triangles it had; it may be left
+/// without triangles.
+pub(super) fn read(
+    primitive: &gltf::Primitive,
+    buffers: &Buffers,
+    notes: &mut Notes,
+    name: &str,
+) -> Result<(Mesh, usize), Flaw> {
+    let vectors = |semantic| {
+        let accessor = primitive.get(&semantic);
+        accessor.map(|accessor| Column::of_vectors(&accessor, buffers)).transpose()
     };
-    if !normals.is_empty() && normals.len() != positions.len() {
-        notes.add("normals do not match the vertices, so shaded flat, in mesh", name);
-        normals.clear();
-    }
+    let positions = vectors(Semantic::Positions)?
+        .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
+    let normals = vectors(Semantic::Normals)?.filter(|normals| {
+        let fits = normals.len() == positions.len();
+        if !fits {
+            notes.add("normals do not match the vertices, so shaded flat, in mesh", name);
+        }
+        fits
+    });
     let indices = match primitive.indices() {
-        Some(accessor) => read_indices(&accessor, buffers)?,
-        None => (0..u32::try_from(positions.len()).unwrap_or(u32::MAX)).collect(),
+        Some(accessor) => Column::of_indices(&accessor, buffers)?.indices()?,
+        None => (0..positions.len_in_full()?).collect(),
     };
-    let mut mesh = Mesh { positions, normals, triangles: triangles(primitive.mode(), &indices) };
+    if primitive.mode() == Mode::Triangles && !indices.len().is_multiple_of(3) {
+        notes.add("indices left over (their number is not a multiple of 3) are ignored, in mesh", name);
+    }
+    let mut triangles = triangles(primitive.mode(), &indices);
+    let vertices = number_vertices(&mut triangles, positions.len())?;
+    let gather = |column: &Column| vertices.iter().map(|index| column.vector(*index)).collect();
+    let normals = normals.map_or_else(Vec::new, |normals| gather(&normals));
+    let mut mesh = Mesh { positions: gather(&positions), normals, triangles };
     let dropped = tidy(&mut mesh)?;
-    Ok(Some((mesh, dropped)))
+    Ok((mesh, dropped))
+}
+
+/// Indices of the vertices that are read: all, or those in use if they are few, which the triangles then number anew.
+///
+/// Many primitives may share one large column, each for a part of it.
+fn number_vertices(triangles: &mut [[u32; 3]], count: usize) -> Result<Vec<u32>, Flaw> {
+    if let Some(index) = triangles.iter().flatten().find(|index| **index as usize >= count) {
+        return Err(Flaw::new(
+            format!("vertex index {index} is out of range: there are {count} vertices"),
+            "the file is damaged; export it again",
+        ));
+    }
+    if count <= 3 * triangles.len() {
+        return Ok((0..count as u32).collect());
+    }
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for index in triangles.iter_mut().flatten() {
+        *index = used.partition_point(|vertex| vertex < index) as u32;
+    }
+    Ok(used)
 }
 
 /// Triangles of a list, strip or fan, all with the winding of the first (glTF 2.0 §3.7.2.1).
@@ -79,5 +137,15 @@ mod tests {
         assert_eq!(triangles(Mode::TriangleFan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
         assert_eq!(triangles(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
         assert_eq!(triangles(Mode::TriangleFan, &[]), Vec::<[u32; 3]>::new());
+    }
+
+    #[test]
+    fn of_a_large_column_only_the_vertices_in_use_are_read() {
+        let mut triangles = [[7, 900, 8], [8, 900, 31]];
+        assert_eq!(number_vertices(&mut triangles, 1000), Ok(vec![7, 8, 31, 900]));
+        assert_eq!(triangles, [[0, 3, 1], [1, 3, 2]]);
+        let mut all = [[0, 2, 1]];
+        assert_eq!(number_vertices(&mut all, 3), Ok(vec![0, 1, 2]));
+        assert!(number_vertices(&mut all, 2).unwrap_err().problem.contains("index 2 is out of range"));
     }
 }

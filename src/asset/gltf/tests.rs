@@ -61,6 +61,13 @@ fn load_json(document: &Value) -> Result<Model, AssetError> {
     Files::new().load(document.to_string().as_bytes())
 }
 
+/// The only warning, without the file's name.
+fn one_line(document: &Value) -> String {
+    let warnings = load_json(document).unwrap_or_else(|error| panic!("{error}")).warnings;
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    warnings[0].split_once("gltf: ").unwrap().1.to_owned()
+}
+
 /// The document with the value at a JSON pointer replaced; a new key is added.
 fn with(pointer: &str, value: Value) -> Value {
     let mut document = document();
@@ -75,12 +82,17 @@ fn with(pointer: &str, value: Value) -> Value {
 fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
+    glb_of(&[(b"JSON", text.as_slice()), (b"BIN\0", binary)])
+}
+
+fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    let length: usize = chunks.iter().map(|(_, chunk)| 8 + chunk.len()).sum();
     let mut bytes = b"glTF\x02\0\0\0".to_vec();
-    bytes.extend((28 + text.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", text.as_slice()), (b"BIN\0", binary)] {
+    bytes.extend((12 + length as u32).to_le_bytes());
+    for (kind, chunk) in chunks {
         bytes.extend((chunk.len() as u32).to_le_bytes());
-        bytes.extend(kind);
-        bytes.extend(chunk);
+        bytes.extend(*kind);
+        bytes.extend(*chunk);
     }
     bytes
 }
@@ -91,7 +103,7 @@ fn a_strip_with_a_nested_camera_is_read() {
     assert_eq!(model.meshes[0].triangles, [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(model.meshes[0].positions[3], [1.0, 1.0, 0.0]);
     assert_eq!(model.nodes[1].parent, Some(0));
-    assert_eq!(model.nodes[1].lens, Some(Lens { vertical_fov: 0.5 }));
+    assert_eq!(model.nodes[1].lens, Some(Lens { vertical_fov: 0.5, aspect: None }));
     assert_eq!(model.materials, [Material::default()]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }
@@ -118,8 +130,11 @@ fn sparse_values_replace_those_of_the_view() {
 #[test]
 fn bytes_and_missing_indices_work() {
     let bytes = json!({ "bufferView": 2, "componentType": 5121, "count": 4, "type": "SCALAR" });
-    let message = load_json(&with("/accessors/1", bytes)).unwrap_err().to_string();
-    assert!(message.contains("no triangle with an area is left of 2"), "{message}");
+    let mut model = with("/accessors/1", bytes);
+    model["meshes"][0]["primitives"][0]["mode"] = json!(4);
+    model["accessors"][1]["count"] = json!(3);
+    model["bufferViews"][2] = json!({ "buffer": 0, "byteOffset": 48, "byteLength": 3 });
+    assert_eq!(one_line(&model), "surfaces without area (collapsed or empty) are left out, in mesh: mesh 0");
     let primitive = json!({ "attributes": { "POSITION": 0 }, "mode": 6 });
     let model = load_json(&with("/meshes/0/primitives/0", primitive)).unwrap();
     assert_eq!(model.meshes[0].triangles, [[1, 2, 0], [2, 3, 0]]);
@@ -251,9 +266,11 @@ fn malformed_files_are_errors_that_say_what_is_wrong() {
         ("/accessors/0/componentType", json!(1), "Invalid value"),
         ("/accessors/0/bufferView", json!(9), "Index out of bounds"),
         ("/bufferViews/0/byteLength", huge, "reaches beyond its buffer"),
-        ("/buffers/0/byteLength", json!(73), "has 72 bytes instead of 73"),
+        ("/buffers/0/byteLength", json!(73), "buffer 0: it has 72 bytes instead of 73"),
         ("/buffers/0/uri", json!("gone.bin"), "gone.bin cannot be read"),
-        ("/buffers/0/uri", json!("data:text/plain,hello"), "not base64"),
+        ("/buffers/0/uri", json!("https://example.org/a.bin"), "https:// are not followed"),
+        ("/buffers/0/uri", json!("data:text/plain,hello"), "buffer 0: it has 5 bytes instead of 72"),
+        ("/buffers/0/uri", json!("data:;base64,a-b"), "buffer 0: the data URI is not base64"),
         ("/nodes/1/children", json!([0]), "reached twice"),
         ("/nodes/0/children", json!([0]), "reached twice"),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "not a quaternion"),
@@ -298,5 +315,272 @@ fn cut_and_corrupted_files_never_panic() {
             corrupted[index] = byte;
             let _ = files.load(&corrupted);
         }
+    }
+}
+
+#[test]
+fn containers_are_read_as_people_have_them() {
+    let files = Files::new();
+    let meshes = load_json(&document()).unwrap().meshes;
+    let text = document().to_string();
+    for wrapped in [format!("\u{feff}{text}"), format!("{text}\0\0\r\n")] {
+        assert_eq!(files.load(wrapped.as_bytes()).unwrap_or_else(|error| panic!("{error}")).meshes, meshes);
+    }
+    let mut latin = text.replace("square", "caf#").into_bytes();
+    let at = latin.iter().position(|byte| *byte == b'#').unwrap();
+    latin[at] = 0xe9;
+    assert_eq!(files.load(&latin).unwrap().nodes[0].name, "caf\u{fffd}");
+
+    let mut binary = document();
+    binary["buffers"] = json!([{ "byteLength": 72 }]);
+    let mut json = format!("\u{feff}{binary}").into_bytes();
+    json.resize(json.len().next_multiple_of(4), 0);
+    let bin = buffer();
+    let unknown: (&[u8; 4], &[u8]) = (b"EXTR", b"whatever");
+    for chunks in [
+        vec![(b"JSON", json.as_slice()), (b"BIN\0", &bin), unknown],
+        vec![(b"JSON", json.as_slice()), unknown, (b"BIN\0", &bin)],
+        vec![unknown, (b"JSON", json.as_slice()), (b"BIN\0", &bin)],
+    ] {
+        let mut glb = glb_of(&chunks);
+        assert_eq!(files.load(&glb).unwrap().meshes, meshes);
+        glb.extend(b"trailing");
+        assert_eq!(files.load(&glb).unwrap().meshes, meshes);
+    }
+}
+
+#[test]
+fn files_that_are_no_gltf_2_say_what_they_are() {
+    let utf16: Vec<u8> = "\u{feff}{}".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let mut old = glb(&document(), &[]);
+    old[4] = 1;
+    for (bytes, expected) in [
+        (utf16, "UTF-16"),
+        (b"\xef\xbb\xbf \0".to_vec(), "the file is empty"),
+        (old, "GLB version 1 cannot be read"),
+        (glb_of(&[(b"BIN\0", &[])]), "no JSON chunk"),
+        (b"glTF\x02".to_vec(), "cut off"),
+    ] {
+        let message = Files::new().load(&bytes).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn names_with_percent_signs_are_looked_for_as_they_stand_too() {
+    let files = Files::new();
+    std::fs::write(files.folder.path().join("half%20full%41.bin"), buffer()).unwrap();
+    std::fs::create_dir(files.folder.path().join("sub")).unwrap();
+    std::fs::write(files.folder.path().join("sub/a.bin"), buffer()).unwrap();
+    for name in ["half%20full%41.bin", "the%20buffer.bin", "the buffer.bin", "sub/a.bin", "sub\\a.bin"] {
+        let model = files.load(with("/buffers/0/uri", json!(name)).to_string().as_bytes());
+        assert_eq!(model.unwrap_or_else(|error| panic!("{error}")).meshes.len(), 1, "{name}");
+    }
+    let message = files
+        .load(with("/buffers/0/uri", json!("a%20b.bin")).to_string().as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("a b.bin cannot be read") && message.contains("a%20b.bin cannot"), "{message}");
+}
+
+#[test]
+fn indices_left_over_are_said() {
+    let list = with("/meshes/0/primitives/0/mode", json!(4));
+    assert_eq!(load_json(&list).unwrap().meshes[0].triangles, [[0, 1, 2]]);
+    assert!(one_line(&list).starts_with("indices left over"), "{}", one_line(&list));
+}
+
+#[test]
+fn surfaces_without_area_are_left_out_and_the_rest_stays() {
+    let mut model = with("/meshes/0/name", json!("card"));
+    model["bufferViews"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "buffer": 0, "byteOffset": 63, "byteLength": 3 }));
+    let collapsed = json!({ "bufferView": 4, "componentType": 5121, "count": 3, "type": "SCALAR" });
+    model["accessors"].as_array_mut().unwrap().push(collapsed);
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 2 });
+    model["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
+    assert_eq!(load_json(&model).unwrap().nodes[0].parts.len(), 1);
+    assert_eq!(one_line(&model), "surfaces without area (collapsed or empty) are left out, in mesh: card");
+}
+
+#[test]
+fn cameras_without_a_lens_are_left_out_by_name() {
+    for (camera, expected) in [
+        (json!({ "type": "perspective" }), "cameras without a lens (`perspective`) are ignored: eye"),
+        (
+            json!({ "type": "perspective",
+                    "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1, "znear": 0 } }),
+            "cameras without a lens (`perspective`) are ignored: eye",
+        ),
+        (json!({ "type": "orthographic" }), "orthographic cameras are ignored: eye"),
+        (
+            json!({ "type": "orthographic", "perspective": { "yfov": 0.5, "znear": 0.1 } }),
+            "orthographic cameras are ignored: eye",
+        ),
+    ] {
+        let model = with("/cameras/0", camera);
+        assert_eq!(one_line(&model), expected);
+        assert_eq!(load_json(&model).unwrap().nodes[1].lens, None);
+    }
+}
+
+#[test]
+fn the_aspect_ratio_of_a_camera_is_read_if_it_makes_sense() {
+    let aspect = |ratio: f64| {
+        let lens = json!({ "yfov": 0.5, "znear": 0.1, "aspectRatio": ratio });
+        load_json(&with("/cameras/0/perspective", lens)).unwrap()
+    };
+    assert_eq!(aspect(1.5).nodes[1].lens.unwrap().aspect, Some(1.5));
+    for ratio in [0.0, -1.0, 1e30, 1e300] {
+        let model = aspect(ratio);
+        assert_eq!(model.nodes[1].lens.unwrap().aspect, None);
+        assert!(model.warnings[0].ends_with("aspect ratio that makes no sense is ignored, of camera: eye"));
+    }
+}
+
+#[test]
+fn emission_is_the_factor_times_the_mean_of_its_texture_and_bounded() {
+    let files = Files::new();
+    let picture = image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([if x + y == 0 { 255 } else { 0 }; 3]));
+    picture.save(files.folder.path().join("lights.png")).unwrap();
+    let mut model = document();
+    model["images"] = json!([{ "uri": "lights.png" }, { "uri": "lights.png" }, { "uri": "gone.png" }]);
+    model["textures"] = json!([{ "source": 0 }, { "source": 1 }, { "source": 2 }, {}]);
+    let emissive = |texture: usize, factor: f64| {
+        json!({ "name": format!("lamp {texture}"), "emissiveFactor": [factor, 0, 0],
+                "pbrMetallicRoughness": { "metallicFactor": 0 },
+                "extensions": { "KHR_materials_specular": { "specularFactor": 0 } },
+                "emissiveTexture": { "index": texture } })
+    };
+    model["materials"] =
+        json!([emissive(0, 2.0), emissive(1, 1.0), emissive(2, 1.0), emissive(3, 3.4e38), emissive(2, 0.0)]);
+    let read = files.load(model.to_string().as_bytes()).unwrap();
+    let red: Vec<f32> = read.materials.iter().map(|material| material.emission.x).collect();
+    assert_eq!(red[..5], [2.0 / 64.0, 1.0 / 64.0, 1.0, 1e18, 0.0]);
+    let all = read.warnings.join("\n");
+    assert!(all.contains("emission texture is replaced by its mean, in material: lamp 0, lamp 1"), "{all}");
+    assert!(all.contains("gone.png cannot be read") && all.contains("above 1e18 is clamped"), "{all}");
+}
+
+#[test]
+fn images_of_one_source_are_decoded_once() {
+    let files = Files::new();
+    std::fs::write(files.folder.path().join("bad.png"), b"not a picture").unwrap();
+    let mut model = document();
+    model["images"] = json!([{ "uri": "bad.png" }]);
+    model["textures"] = json!([{ "source": 0 }]);
+    let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } });
+    model["materials"] = json!(vec![material; 50]);
+    let path = files.folder.path().join("a.gltf");
+    std::fs::write(&path, model.to_string()).unwrap();
+    let gltf = container::open(std::fs::read(&path).unwrap()).unwrap();
+    let opened = crate::asset::Files::default();
+    let buffers = Buffers::read(&gltf, files.folder.path(), &opened).unwrap();
+    let mut textures = MeanColours::new(&gltf, &buffers);
+    let texture = gltf.textures().next().unwrap();
+    assert!(textures.of(&texture).is_err());
+    std::fs::remove_file(files.folder.path().join("bad.png")).unwrap();
+    let again = textures.of(&texture).unwrap_err();
+    assert!(!again.contains("cannot be read"), "{again}");
+}
+
+#[test]
+fn a_huge_sparse_column_costs_what_is_used_of_it() {
+    let mut model = document();
+    model["accessors"][0] = json!({
+        "componentType": 5126, "count": 1u32 << 30, "type": "VEC3",
+        "sparse": {
+            "count": 1,
+            "indices": { "bufferView": 2, "componentType": 5121 },
+            "values": { "bufferView": 3 },
+        },
+    });
+    let read = load_json(&model).unwrap();
+    assert!(read.meshes.is_empty(), "all but one vertex is 0");
+    model["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
+    let message = load_json(&model).unwrap_err().to_string();
+    assert!(message.contains("accessor 0 has too many elements"), "{message}");
+}
+
+#[test]
+fn primitives_of_the_same_accessors_are_one_mesh() {
+    let mut model = document();
+    let primitive = model["meshes"][0]["primitives"][0].clone();
+    model["meshes"][0]["primitives"] = json!(vec![primitive; 1000]);
+    let read = load_json(&model).unwrap();
+    assert_eq!((read.meshes.len(), read.nodes[0].parts.len()), (1, 1000));
+}
+
+#[test]
+fn accessors_that_overlap_without_end_are_refused() {
+    let files = Files::new();
+    std::fs::write(files.folder.path().join("the buffer.bin"), vec![1; 1 << 16]).unwrap();
+    let mut model = document();
+    model["buffers"][0]["byteLength"] = json!(1 << 16);
+    model["bufferViews"] = json!([{ "buffer": 0, "byteLength": 1 << 16, "byteStride": 4 }]);
+    let accessor = |at: usize| {
+        json!({ "bufferView": 0, "byteOffset": 4 * at, "componentType": 5121, "normalized": true,
+                "count": 16000, "type": "VEC3" })
+    };
+    model["accessors"] = (0..100).map(accessor).collect();
+    model["meshes"][0]["primitives"] =
+        (0..100).map(|at| json!({ "attributes": { "POSITION": at } })).collect();
+    assert!(files.load(model.to_string().as_bytes()).unwrap().meshes.is_empty(), "all vertices are equal");
+    let mixed: Vec<u8> = (0..1u32 << 16).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    std::fs::write(files.folder.path().join("the buffer.bin"), mixed).unwrap();
+    let message = files.load(model.to_string().as_bytes()).unwrap_err().to_string();
+    assert!(message.contains("its accessors overlap"), "{message}");
+}
+
+#[test]
+fn invisible_nodes_are_left_out_with_their_children() {
+    let mut model = with("/nodes/0/extensions", json!({ "KHR_node_visibility": { "visible": false } }));
+    assert_eq!(load_json(&model).unwrap().nodes.len(), 0);
+    assert!(one_line(&model).ends_with("with all below them: square"));
+    model["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = json!(true);
+    let read = load_json(&model).unwrap();
+    assert_eq!((read.nodes.len(), read.warnings.len()), (2, 0));
+}
+
+/// The document with this node in place of the camera's.
+fn with_empty(node: Value) -> Value {
+    with("/nodes/1", node)
+}
+
+#[test]
+fn an_empty_called_black_hole_places_a_hole() {
+    let hole = |node: Value| load_json(&with_empty(node)).unwrap().nodes[1].hole;
+    assert_eq!(hole(json!({ "name": "BlackHole" })), Some(1.0));
+    assert_eq!(
+        hole(json!({ "name": "blackhole.001", "extras": { "schwarzschild_radius": 0.25 } })),
+        Some(0.25)
+    );
+    assert_eq!(hole(json!({ "name": "BlackHole", "extras": { "other": 3 } })), Some(1.0));
+    assert_eq!(hole(json!({ "name": "BlackHoles" })), None);
+    assert_eq!(hole(json!({ "name": "BlackHole", "mesh": 0 })), None);
+    let with_mesh = one_line(&with_empty(json!({ "name": "BlackHole", "mesh": 0 })));
+    assert!(with_mesh.starts_with("only an Empty places a black hole"), "{with_mesh}");
+    for radius in [json!(-1), json!("big"), json!(null)] {
+        let node = json!({ "name": "BlackHole", "extras": { "schwarzschild_radius": radius } });
+        let message = load_json(&with_empty(node)).unwrap_err().to_string();
+        assert!(
+            message.contains("node `BlackHole`") && message.contains("schwarzschild_radius"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn lights_that_the_exporter_left_out_are_missed() {
+    for name in ["Area", "Area.001", "Light", "Sun.002", "area light"] {
+        let line = one_line(&with_empty(json!({ "name": name })));
+        assert!(line.starts_with("there is no light") && line.ends_with(name), "{line}");
+    }
+    for node in
+        [json!({ "name": "Area", "mesh": 0 }), json!({ "name": "Areal" }), json!({ "name": "Pointer" })]
+    {
+        assert!(load_json(&with_empty(node)).unwrap().warnings.is_empty());
     }
 }

@@ -92,7 +92,13 @@ fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<u
         merge(&positions, &normals, &indices, &normal_indices)
     };
     drop((positions, normals, indices, normal_indices));
-    let dropped = tidy(&mut mesh).map_err(|flaw| flaw.at(format!("object `{name}`")))?;
+    let in_object = |flaw: Flaw| flaw.at(format!("object `{name}`"));
+    let dropped = tidy(&mut mesh).map_err(in_object)?;
+    if mesh.triangles.is_empty() {
+        let problem = format!("no triangle with an area is left of {dropped}");
+        let help = "remove the object, or check the scale at which it was exported";
+        return Err(in_object(Flaw::new(problem, help)));
+    }
     let material = material_id.unwrap_or_else(|| default_material(model));
     let part = Part { mesh: model.meshes.len(), material };
     model.meshes.push(mesh);
@@ -105,6 +111,7 @@ fn add_part(model: &mut Model, part: tobj::Model, notes: &mut Notes) -> Result<u
             parts: vec![part],
             lens: None,
             light: None,
+            hole: None,
         }),
     }
     Ok(dropped)

@@ -1,0 +1,68 @@
+//! Nodes without mesh, light or camera: one that is named `BlackHole` places a hole, others may be what an exporter left
+//! of a light.
+
+use crate::asset::error::Flaw;
+use crate::asset::notes::Notes;
+
+/// The custom property of a node (`extras`) that tells a Schwarzschild radius.
+const RADIUS: &str = "schwarzschild_radius";
+
+/// The Schwarzschild radius of the hole that a node places, in the node's units of length: what its custom property says,
+/// or else 1, the size at which an Empty is shown that is not scaled.
+pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<Option<f64>, Flaw> {
+    let is_empty = node.mesh().is_none() && node.camera().is_none() && node.light().is_none();
+    if !is_named(name, "blackhole") {
+        let is_leaf = node.children().len() == 0 && node.skin().is_none();
+        if is_empty && is_leaf && LIGHTS.iter().any(|light| is_named(name, light)) {
+            notes.add(
+                "there is no light (glTF has no area lights, and others are exported only with Punctual Lights on; \
+                 give lamps a mesh that emits) at node",
+                name,
+            );
+        }
+        return Ok(None);
+    }
+    if !is_empty {
+        notes.add("only an Empty places a black hole, not a node with a mesh, light or camera", name);
+        return Ok(None);
+    }
+    let Some(extras) = node.extras() else {
+        return Ok(Some(1.0));
+    };
+    let values: gltf::json::Value = gltf::json::deserialize::from_str(extras.get()).unwrap_or_default();
+    match values.get(RADIUS) {
+        None => Ok(Some(1.0)),
+        Some(value) => match value.as_f64().filter(|radius| *radius >= 0.0) {
+            Some(radius) => Ok(Some(radius)),
+            None => Err(Flaw::new(
+                format!("the custom property {RADIUS} must be a number of at least 0, but is {value}"),
+                "set it to the Schwarzschild radius, in the node's units of length",
+            )),
+        },
+    }
+}
+
+/// Names that Blender gives to lights.
+const LIGHTS: [&str; 7] = ["area", "arealight", "light", "lamp", "point", "spot", "sun"];
+
+/// Whether a name is `plain`, in any case, with separators, or numbered as Blender does it: `Black Hole.001`.
+fn is_named(name: &str, plain: &str) -> bool {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let letters = stem.chars().filter(|c| !matches!(c, ' ' | '_' | '-' | '.'));
+    letters.flat_map(char::to_lowercase).eq(plain.chars())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_known_with_numbers_and_in_any_case() {
+        for name in ["BlackHole", "blackhole", "BLACKHOLE", "BlackHole.001", "Black Hole", "black_hole-2"] {
+            assert!(is_named(name, "blackhole"), "{name}");
+        }
+        for name in ["Blackholes", "A BlackHole", "Black", "", "42"] {
+            assert!(!is_named(name, "blackhole"), "{name}");
+        }
+    }
+}
