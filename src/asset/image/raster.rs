@@ -48,9 +48,7 @@ pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
 /// Width and height of a PNG file.
 fn png_size(bytes: &[u8]) -> Option<(usize, usize)> {
     let rest = bytes.strip_prefix(PNG_START)?;
-    let number =
-        |at: usize| rest.get(at..at + 4)?.try_into().ok().map(|word| u32::from_be_bytes(word) as usize);
-    Some((number(0)?, number(4)?))
+    Some((number(rest, 0)?, number(rest, 4)?))
 }
 
 /// The gamma that a PNG file tells, unless it is that of sRGB or a better description overrides it.
