@@ -20,13 +20,27 @@ const CHUNK_FRAME: usize = 12;
 /// First bytes of a PNG file, up to its width and height.
 const PNG_START: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
 
+/// Bytes that chunks of a PNG file beside the pixels may take, such as a colour profile.
+const BESIDE: u64 = 1 << 26;
+/// Bytes per pixel of a row that decoding takes.
+const ROWS: u64 = 64;
+
+/// Whether a file begins as a PNG or JPEG file does.
+pub(super) fn is_known(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff")
+}
+
 /// Decodes a PNG or JPEG file.
 pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
     // Before the crate sees it, which allocates rows.
     if let Some((width, height)) = png_size(bytes) {
         check_size(width, height, DECODED, memory)?;
     }
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
+    let mut limits = image::Limits::no_limits();
+    let width = png_size(bytes).map_or(0, |(width, _)| width as u64);
+    limits.max_alloc = Some(BESIDE + ROWS * width);
+    reader.limits(limits);
     let gamma = if reader.format() == Some(ImageFormat::Png) { png_gamma(bytes) } else { None };
     let mut decoder = reader.into_decoder().map_err(undecodable)?;
     let (width, height) = decoder.dimensions();
