@@ -79,7 +79,7 @@ fn check_windows(data: IntegerBounds, display: IntegerBounds, notes: &mut Notes)
         ));
     }
     let (shown, there) = (display.size.area(), data.size.area());
-    if shown > LARGE && shown / there > SPARSE {
+    if shown > LARGE && shown / there.max(1) > SPARSE {
         return Err(Flaw::new(
             format!(
                 "its display window of {} × {} pixels is nearly all empty",
