@@ -21,7 +21,10 @@ const ALLOWED: [(&str, &[&str]); 13] = [
         "study",
         &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math", "text"],
     ),
-    ("cli", &["study", "trace", "scene", "film", "plot", "asset", "light", "shade", "geometry", "text"]),
+    (
+        "cli",
+        &["study", "trace", "scene", "film", "plot", "asset", "light", "shade", "geometry", "math", "text"],
+    ),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -7,15 +7,15 @@ use exr::block::UncompressedBlock;
 use exr::block::chunk::{Chunk, CompressedBlock};
 use exr::meta::attribute::{EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
-use exr::meta::{BlockDescription, MetaData};
+use exr::meta::{BlockDescription, MetaData, magic_number};
 use exr::prelude::{Compression, Vec2, f16};
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::Flaw;
 use super::memory::Memory;
-use super::primaries::{REC709, luminance_weights, to_rec709};
+use super::primaries::{REC709, ToRec709, luminance_weights};
 
 /// Bytes of chunks that are decoded at a time.
 const BATCH: usize = 1 << 26;
@@ -79,14 +79,19 @@ pub struct ToRgb {
     channels: ColourChannels,
     /// Luminance of the file's red, green and blue.
     weights: Vec3,
-    /// From the file's primaries, where they are others.
-    matrix: Option<Mat3>,
+    /// From the file's primaries.
+    space: ToRec709,
 }
 
 impl ToRgb {
     /// Whether the samples are what is wanted already.
     pub fn is_identity(&self) -> bool {
-        self.matrix.is_none() && matches!(self.channels, ColourChannels::Rgb(_))
+        self.space.matrix().is_none() && matches!(self.channels, ColourChannels::Rgb(_))
+    }
+
+    /// Whether the file's primaries span no colour space, so that they are left alone.
+    pub fn is_unclear(&self) -> bool {
+        self.space == ToRec709::Impossible
     }
 
     /// The colour of a pixel's samples, in the order of [`ColourChannels::list`]; values that are not finite stay.
@@ -100,16 +105,27 @@ impl ToRgb {
                 Vec3::new(r, g, b)
             }
         };
-        self.matrix.filter(|_| colour.is_finite()).map_or(colour, |matrix| matrix * colour)
+        self.space.matrix().filter(|_| colour.is_finite()).map_or(colour, |matrix| matrix * colour)
     }
 }
 
 impl<'a> ExrFile<'a> {
+    /// Whether a file begins as an OpenEXR file does.
+    pub fn is_exr(bytes: &[u8]) -> bool {
+        bytes.starts_with(&magic_number::BYTES)
+    }
+
     /// Reads the headers.
     ///
     /// # Errors
     /// They are damaged, or promise more chunks than the file can hold.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Flaw> {
+        if !Self::is_exr(bytes) {
+            return Err(Flaw::new(
+                "is not an OpenEXR file",
+                "give an OpenEXR picture, such as `render` writes",
+            ));
+        }
         let mut reader = Cursor::new(bytes);
         let meta = MetaData::read_from_buffered(&mut reader, false).map_err(undecodable)?;
         let mut start = reader.position() as usize;
@@ -238,7 +254,7 @@ impl<'a> ExrFile<'a> {
         ToRgb {
             channels: colours.channels,
             weights: luminance_weights(&chromaticities.unwrap_or(REC709)).as_vec3(),
-            matrix: chromaticities.as_ref().and_then(to_rec709).map(|matrix| matrix.as_mat3()),
+            space: chromaticities.as_ref().map_or(ToRec709::Same, ToRec709::of),
         }
     }
 

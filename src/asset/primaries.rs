@@ -2,7 +2,7 @@
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::Vec2;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Mat3};
 
 /// Those of Rec. 709: the white is D65.
 pub const REC709: Chromaticities = Chromaticities {
@@ -13,6 +13,8 @@ pub const REC709: Chromaticities = Chromaticities {
 };
 /// Chromaticities that differ by less are the same; files write three or four digits.
 const SAME: f32 = 1e-3;
+/// Factors beyond this come of primaries that lie on a line.
+const LARGEST: f64 = 100.0;
 /// Bradford's cone responses, by row: X, Y, Z → ρ, γ, β.
 const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(0.8951, -0.7502, 0.0389),
@@ -20,22 +22,43 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// The matrix that makes colours of other primaries Rec. 709, white to white after Bradford; `None` where they are Rec. 709
-/// already, or span no colour space.
-pub fn to_rec709(from: &Chromaticities) -> Option<DMat3> {
-    let pairs = [
-        (from.red, REC709.red),
-        (from.green, REC709.green),
-        (from.blue, REC709.blue),
-        (from.white, REC709.white),
-    ];
-    if pairs.iter().all(|(a, b)| (a.0 - b.0).abs() < SAME && (a.1 - b.1).abs() < SAME) {
-        return None;
+/// What makes colours of some primaries Rec. 709.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToRec709 {
+    /// They are Rec. 709.
+    Same,
+    /// White to white, after Bradford.
+    Matrix(DMat3),
+    /// The primaries span no colour space.
+    Impossible,
+}
+
+impl ToRec709 {
+    /// From colours of these chromaticities.
+    pub fn of(from: &Chromaticities) -> Self {
+        let pairs = [
+            (from.red, REC709.red),
+            (from.green, REC709.green),
+            (from.blue, REC709.blue),
+            (from.white, REC709.white),
+        ];
+        if pairs.iter().all(|(a, b)| (a.0 - b.0).abs() < SAME && (a.1 - b.1).abs() < SAME) {
+            return Self::Same;
+        }
+        let (white, target) = (BRADFORD * white(from), BRADFORD * white(&REC709));
+        let adaptation = BRADFORD.inverse() * DMat3::from_diagonal(target / white) * BRADFORD;
+        let matrix = to_xyz(&REC709).inverse() * adaptation * to_xyz(from);
+        let is_usable = matrix.to_cols_array().iter().all(|factor| factor.abs() < LARGEST);
+        if is_usable { Self::Matrix(matrix) } else { Self::Impossible }
     }
-    let (white, target) = (BRADFORD * xyz(from.white), BRADFORD * xyz(REC709.white));
-    let adaptation = BRADFORD.inverse() * DMat3::from_diagonal(target / white) * BRADFORD;
-    let matrix = to_xyz(&REC709).inverse() * adaptation * to_xyz(from);
-    matrix.is_finite().then_some(matrix)
+
+    /// The matrix, where there is something to do.
+    pub fn matrix(self) -> Option<Mat3> {
+        match self {
+            Self::Matrix(matrix) => Some(matrix.as_mat3()),
+            Self::Same | Self::Impossible => None,
+        }
+    }
 }
 
 /// How much red, green and blue add to luminance.
@@ -47,16 +70,21 @@ pub fn luminance_weights(chromaticities: &Chromaticities) -> DVec3 {
 
 /// RGB → XYZ, where RGB = 1 is the white with Y = 1.
 fn to_xyz(chromaticities: &Chromaticities) -> DMat3 {
-    let primaries =
-        DMat3::from_cols(xyz(chromaticities.red), xyz(chromaticities.green), xyz(chromaticities.blue));
-    let scale = primaries.inverse() * xyz(chromaticities.white);
-    primaries * DMat3::from_diagonal(scale)
+    let Chromaticities { red, green, blue, .. } = *chromaticities;
+    let primaries = DMat3::from_cols(xyz(red), xyz(green), xyz(blue));
+    primaries * DMat3::from_diagonal(primaries.inverse() * white(chromaticities))
 }
 
-/// The colour of a chromaticity at Y = 1.
+/// The white with Y = 1.
+fn white(chromaticities: &Chromaticities) -> DVec3 {
+    let white = xyz(chromaticities.white);
+    white / white.y
+}
+
+/// The colour of a chromaticity with X + Y + Z = 1.
 fn xyz(Vec2(x, y): Vec2<f32>) -> DVec3 {
     let (x, y) = (f64::from(x), f64::from(y));
-    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
+    DVec3::new(x, y, 1.0 - x - y)
 }
 
 #[cfg(test)]
@@ -71,26 +99,41 @@ mod tests {
         white: Vec2(0.32168, 0.33767),
     };
 
+    /// Colours that are X, Y and Z themselves.
+    const XYZ: Chromaticities = Chromaticities {
+        red: Vec2(1.0, 0.0),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0, 0.0),
+        white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+    };
+
+    fn matrix(from: &Chromaticities) -> DMat3 {
+        let ToRec709::Matrix(matrix) = ToRec709::of(from) else { panic!("{from:?}") };
+        matrix
+    }
+
     #[test]
     fn acescg_becomes_rec_709_as_published() {
-        // The matrix of colour-science for ACEScg → ITU-R BT.709, Bradford.
         let expected = DMat3::from_cols(
-            DVec3::new(1.7050796, -0.1302597, -0.0240033),
-            DVec3::new(-0.6242334, 1.1408027, -0.1289688),
-            DVec3::new(-0.0808462, -0.0105430, 1.1529721),
+            DVec3::new(1.70505, -0.13026, -0.02400),
+            DVec3::new(-0.62179, 1.14080, -0.12897),
+            DVec3::new(-0.08326, -0.01055, 1.15297),
         );
-        let found = to_rec709(&ACESCG).unwrap();
-        assert!(found.abs_diff_eq(expected, 1e-3), "{found}");
+        let found = matrix(&ACESCG);
+        assert!(found.abs_diff_eq(expected, 1e-4), "{found}");
     }
 
     #[test]
     fn white_stays_white_and_rec_709_needs_nothing() {
         let equal_energy = Chromaticities { white: Vec2(1.0 / 3.0, 1.0 / 3.0), ..REC709 };
-        for space in [ACESCG, equal_energy] {
-            assert!((to_rec709(&space).unwrap() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-6));
+        for space in [ACESCG, equal_energy, XYZ] {
+            assert!((matrix(&space) * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-6));
         }
-        assert_eq!(to_rec709(&REC709), None);
-        assert_eq!(to_rec709(&Chromaticities { red: Vec2(0.6404, 0.3298), ..REC709 }), None);
+        let rounded = Chromaticities { red: Vec2(0.6404, 0.3298), ..REC709 };
+        assert_eq!([REC709, rounded].map(|space| ToRec709::of(&space)), [ToRec709::Same; 2]);
+        // Y alone is neither red nor blue.
+        let green = matrix(&XYZ) * DVec3::Y;
+        assert!(green.y > 1.0 && green.x < 0.0 && green.z < 0.0, "{green}");
     }
 
     #[test]
@@ -100,7 +143,7 @@ mod tests {
             Chromaticities { white: Vec2(0.3, 0.0), ..REC709 },
             Chromaticities { blue: Vec2(f32::NAN, 0.1), ..REC709 },
         ] {
-            assert_eq!(to_rec709(&broken), None, "{broken:?}");
+            assert_eq!(ToRec709::of(&broken), ToRec709::Impossible, "{broken:?}");
             assert!(luminance_weights(&broken).is_finite());
         }
         assert!((luminance_weights(&REC709) - DVec3::new(0.2126, 0.7152, 0.0722)).length() < 2e-4);

@@ -1,5 +1,7 @@
 //! Whether a picture fits in memory, asked before it is allocated.
 
+use std::num::NonZero;
+
 use super::failure::Failure;
 use crate::asset::Memory;
 use crate::film::BEAUTY;
@@ -8,6 +10,12 @@ use crate::trace::Run;
 
 /// Bytes of a pixel of the preview.
 const PREVIEW: usize = 3;
+/// Most rays that a worker has in flight, whatever the batch: 16 samples of the pixels of a tile.
+const LANES: usize = 1 << 14;
+/// Bytes of a ray in flight; 900 were measured near a hole.
+const LANE: usize = 1 << 10;
+/// Bytes of a thread beside: its stack, and the samples of a tile.
+const THREAD: usize = 4 << 20;
 
 /// Bytes that a picture needs at most: first sums over samples, which go as the finished planes come, then the planes in
 /// f32 and the preview.
@@ -19,14 +27,24 @@ pub(super) fn film_bytes(settings: &Settings, run: &Run) -> u64 {
     pixels.saturating_mul(run.pixel_bytes().max(finished) as u64)
 }
 
+/// Bytes that worker threads need at most.
+fn thread_bytes(run: &Run) -> u64 {
+    let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = if run.threads == 0 { cores() } else { run.threads };
+    (threads * (run.batch.min(LANES) * LANE + THREAD)) as u64
+}
+
 /// Columns and rows that are rendered.
 fn size(settings: &Settings, run: &Run) -> (usize, usize) {
     run.crop.map_or((settings.width, settings.height), |[x0, y0, x1, y1]| (x1 - x0, y1 - y0))
 }
 
-/// Refuses a film that would not fit.
+/// Refuses a film or threads that would not fit.
 pub(super) fn check(settings: &Settings, run: &Run, memory: &Memory) -> Result<(), Failure> {
     let (width, height) = size(settings, run);
+    memory.check("what the threads work on", thread_bytes(run)).map_err(|flaw| {
+        Failure::new(flaw.problem).help("give fewer --threads, a smaller --batch, or more with --max-memory")
+    })?;
     memory.check(format!("a film of {width}x{height} pixels"), film_bytes(settings, run)).map_err(|flaw| {
         Failure::new(flaw.problem)
             .help("give a smaller --size, a --crop, fewer planes in --aov, or more with --max-memory")
@@ -60,6 +78,9 @@ mod tests {
         let message = check(&settings, &Run::default(), &Memory::default()).unwrap_err().to_string();
         assert!(message.contains("2147483648x2147483648") && message.contains("--size"), "{message}");
         let crop = Run { crop: Some([5, 5, 10, 10]), ..Run::default() };
+        let many = Run { threads: 1 << 20, batch: 1 << 20, ..crop.clone() };
+        let message = check(&settings, &many, &Memory::default()).unwrap_err().to_string();
+        assert!(message.contains("threads") && message.contains("--batch"), "{message}");
         assert!(check(&settings, &crop, &Memory::default()).is_ok());
     }
 }

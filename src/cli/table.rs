@@ -8,6 +8,7 @@ use csv::{ByteRecord, ReaderBuilder, Trim};
 
 use super::failure::Failure;
 use super::units::plural;
+use crate::asset::Files;
 use crate::trace::Progress;
 
 /// Rows in memory at a time.
@@ -26,7 +27,7 @@ impl Table {
     pub(super) fn open(path: &Path, what: &'static str) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let unreadable = |error: io::Error| unreadable(&name, what, &error);
-        let file = File::open(path).map_err(unreadable)?;
+        let file = Files::default().open(path).map_err(unreadable)?;
         let size = file.metadata().map_err(unreadable)?.len();
         let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
         let names = reader.byte_headers().map_err(|error| explain(&name, what, &error))?.clone();

@@ -31,10 +31,13 @@ pub use settings::{
     StepperKind, flag_name,
 };
 
-use crate::asset::Files;
+use crate::asset::{Files, Memory};
 use error::{Fault, SourceText};
 use populate::Source;
 use world::World;
+
+/// Bytes that a triangle takes in the tree, while it is built.
+const TRIANGLE_BYTES: u64 = 160;
 
 /// What is asked of a scene beside its file.
 #[derive(Debug, Default)]
@@ -110,6 +113,7 @@ fn build(source: &SourceText, options: &LoadOptions) -> Result<Baked, Fault> {
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let bare = source.on_disk.is_none().then_some(source.path);
     let mut world = populate::populate(file, &Source { folder, bare, files: &options.files })?;
+    check_memory(&world, &options.files.memory())?;
     if let Some(hole) = options.black_hole {
         replace_spacetime(&mut world, hole)?;
     }
@@ -117,6 +121,15 @@ fn build(source: &SourceText, options: &LoadOptions) -> Result<Baked, Fault> {
         world.environment = populate::sky(1.0);
     }
     bake::bake(world)
+}
+
+/// Refuses meshes whose search tree would not fit.
+fn check_memory(world: &World, memory: &Memory) -> Result<(), Fault> {
+    let triangles: usize = world.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let needed = (triangles as u64).saturating_mul(TRIANGLE_BYTES);
+    memory
+        .check(format!("the search tree of {triangles} triangles"), needed)
+        .map_err(|flaw| Fault::whole(flaw.problem, flaw.help))
 }
 
 fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(), Fault> {

@@ -12,7 +12,7 @@ use super::{Picture, check_size, undecodable};
 use crate::asset::error::Flaw;
 use crate::asset::memory::Memory;
 use crate::asset::notes::Notes;
-use crate::asset::primaries::to_rec709;
+use crate::asset::primaries::ToRec709;
 
 /// First bytes of a file; programs write their own name behind.
 const MAGIC: &[u8] = b"#?";
@@ -65,7 +65,11 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
     let mut values = vec![0; decoder.total_bytes() as usize];
     decoder.read_image(&mut values).map_err(undecodable)?;
 
-    let matrix = header.primaries.as_ref().and_then(to_rec709).map(|matrix| matrix.as_mat3());
+    let space = header.primaries.as_ref().map_or(ToRec709::Same, ToRec709::of);
+    if space == ToRec709::Impossible {
+        notes.add("a line of the header is ignored: it spans no colour space", "PRIMARIES");
+    }
+    let matrix = space.matrix();
     let pixel = |run: usize, at: usize| {
         let bytes = values.as_chunks::<4>().0.get(3 * (run * length + at)..).unwrap_or_default();
         let value = |channel: usize| f32::from_ne_bytes(bytes.get(channel).copied().unwrap_or_default());

@@ -9,6 +9,11 @@ use crate::asset::exr::{Colours, ExrFile};
 use crate::asset::memory::Memory;
 use crate::asset::notes::Notes;
 
+/// Pixels of a picture from which it has to be filled, if sparsely: the rest of it is memory for nothing.
+const LARGE: usize = 1 << 22;
+/// Most pixels of a large picture for each that the file holds.
+const SPARSE: usize = 1 << 10;
+
 /// Decodes the colours of an OpenEXR file over its display window, black where it has none.
 pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result<Picture, Flaw> {
     let file = ExrFile::open(bytes)?;
@@ -24,9 +29,9 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
         ));
     }
     let (width, height) = (display.size.width(), display.size.height());
-    check_size(width, height, 0, memory)?;
     note_layer(&colours, notes);
-    note_windows(data, display, notes)?;
+    check_windows(data, display, notes)?;
+    check_size(width, height, 0, memory)?;
 
     let (left, top) = (offset(data, display, 0), offset(data, display, 1));
     let mut pixels = vec![Vec3::ZERO; width * height];
@@ -41,6 +46,9 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
     let to_rgb = file.to_rgb(&colours);
     if !to_rgb.is_identity() {
         pixels.iter_mut().for_each(|pixel| *pixel = to_rgb.apply(*pixel));
+    }
+    if to_rgb.is_unclear() {
+        notes.add("chromaticities that span no colour space are ignored", "all");
     }
     Ok(Picture { width, height, pixels, warnings: Vec::new() })
 }
@@ -61,12 +69,22 @@ fn note_layer(colours: &Colours, notes: &mut Notes) {
     }
 }
 
-fn note_windows(data: IntegerBounds, display: IntegerBounds, notes: &mut Notes) -> Result<(), Flaw> {
+fn check_windows(data: IntegerBounds, display: IntegerBounds, notes: &mut Notes) -> Result<(), Flaw> {
     let (start, end) = (data.position, data.end());
     let (first, last) = (display.position, display.end());
     if end.x() <= first.x() || end.y() <= first.y() || start.x() >= last.x() || start.y() >= last.y() {
         return Err(Flaw::new(
             "its data window lies outside its display window",
+            "save it again with all of its pixels",
+        ));
+    }
+    let (shown, there) = (display.size.area(), data.size.area());
+    if shown > LARGE && shown / there.max(1) > SPARSE {
+        return Err(Flaw::new(
+            format!(
+                "its display window of {} × {} pixels is nearly all empty",
+                display.size.0, display.size.1
+            ),
             "save it again with all of its pixels",
         ));
     }

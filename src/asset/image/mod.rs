@@ -11,6 +11,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::error::{AssetError, Flaw};
+use super::exr::ExrFile;
 use super::files::Files;
 use super::memory::Memory;
 use super::notes::Notes;
@@ -44,26 +45,31 @@ pub struct Picture {
 /// # Errors
 /// The file cannot be read or decoded, has no pixels, has more than 2²⁹ of them or more than fit in memory.
 pub fn load(path: &Path, files: &Files) -> Result<Picture, AssetError> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let bytes = AssetError::read(path, files)?;
     let mut notes = Notes::default();
-    let decoded = match extension.as_str() {
-        "exr" => latlong_exr::decode(&bytes, &files.memory(), &mut notes),
-        "hdr" | "pic" | "rgbe" | "png" | "jpg" | "jpeg" => decode(&bytes, &files.memory(), &mut notes),
-        _ => Err(Flaw::new(
-            format!("`.{extension}` is not a picture that can be read"),
-            "use .exr, .hdr, .png or .jpg",
-        )),
-    };
+    let decoded = decode(path, &bytes, &files.memory(), &mut notes);
     let mut picture = decoded.map_err(|flaw| AssetError::content(path, flaw))?;
     clean(&mut picture, &mut notes);
     picture.warnings = notes.into_lines(&path.display().to_string());
     Ok(picture)
 }
 
-/// Decodes HDR, PNG and JPEG, whatever the file is called.
-fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result<Picture, Flaw> {
-    if hdr::is_hdr(bytes) { hdr::decode(bytes, memory, notes) } else { raster::decode(bytes, memory) }
+/// Decodes a picture by its first bytes; one that begins as none does, by its name.
+fn decode(path: &Path, bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result<Picture, Flaw> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if ExrFile::is_exr(bytes) || extension == "exr" {
+        return latlong_exr::decode(bytes, memory, notes);
+    }
+    if hdr::is_hdr(bytes) || extension == "hdr" {
+        return hdr::decode(bytes, memory, notes);
+    }
+    if raster::is_known(bytes) || ["png", "jpg", "jpeg"].contains(&extension.as_str()) {
+        return raster::decode(bytes, memory);
+    }
+    Err(Flaw::new(
+        format!("`.{extension}` is not a picture that can be read"),
+        "use .exr, .hdr, .png or .jpg",
+    ))
 }
 
 /// Refuses a picture without pixels, with too many, or with more than fit in memory beside `extra` bytes for each.

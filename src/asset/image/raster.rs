@@ -3,7 +3,6 @@
 use std::io::Cursor;
 
 use glam::Vec3;
-use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use super::{Picture, check_size, undecodable};
@@ -14,8 +13,22 @@ use crate::asset::memory::Memory;
 const DECODED: u64 = 8;
 /// The gamma of a PNG file that stands for sRGB.
 const SRGB_GAMMA: f64 = 0.45455;
+/// Bytes before the chunks of a PNG file.
+const PNG_SIGNATURE: usize = 8;
+/// Bytes of a chunk beside its data: length, kind and checksum.
+const CHUNK_FRAME: usize = 12;
 /// First bytes of a PNG file, up to its width and height.
 const PNG_START: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
+
+/// Bytes that chunks of a PNG file beside the pixels may take, such as a colour profile.
+const BESIDE: u64 = 1 << 26;
+/// Bytes per pixel of a row that decoding takes.
+const ROWS: u64 = 64;
+
+/// Whether a file begins as a PNG or JPEG file does.
+pub(super) fn is_known(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff")
+}
 
 /// Decodes a PNG or JPEG file.
 pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
@@ -23,8 +36,12 @@ pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
     if let Some((width, height)) = png_size(bytes) {
         check_size(width, height, DECODED, memory)?;
     }
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
-    let gamma = if reader.format() == Some(ImageFormat::Png) { png_gamma(bytes)? } else { None };
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
+    let mut limits = image::Limits::no_limits();
+    let width = png_size(bytes).map_or(0, |(width, _)| width as u64);
+    limits.max_alloc = Some(BESIDE + ROWS * width);
+    reader.limits(limits);
+    let gamma = if reader.format() == Some(ImageFormat::Png) { png_gamma(bytes) } else { None };
     let mut decoder = reader.into_decoder().map_err(undecodable)?;
     let (width, height) = decoder.dimensions();
     check_size(width as usize, height as usize, DECODED, memory)?;
@@ -45,16 +62,30 @@ pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
 /// Width and height of a PNG file.
 fn png_size(bytes: &[u8]) -> Option<(usize, usize)> {
     let rest = bytes.strip_prefix(PNG_START)?;
-    let number =
-        |at: usize| rest.get(at..at + 4)?.try_into().ok().map(|word| u32::from_be_bytes(word) as usize);
-    Some((number(0)?, number(4)?))
+    Some((number(rest, 0)?, number(rest, 4)?))
 }
 
-/// The gamma that a PNG file tells, unless it is that of sRGB.
-fn png_gamma(bytes: &[u8]) -> Result<Option<f32>, Flaw> {
-    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(undecodable)?;
-    let gamma = decoder.gamma_value().map_err(undecodable)?;
-    Ok(gamma.filter(|gamma| *gamma > 0.0 && (gamma - SRGB_GAMMA).abs() > 1e-3).map(|gamma| gamma as f32))
+/// The gamma that a PNG file tells, unless it is that of sRGB or a better description overrides it.
+fn png_gamma(bytes: &[u8]) -> Option<f32> {
+    let mut rest = bytes.get(PNG_SIGNATURE..)?;
+    let mut gamma = None;
+    loop {
+        let (length, kind) = (number(rest, 0)?, rest.get(4..8)?);
+        match kind {
+            b"sRGB" | b"iCCP" | b"cICP" => return None,
+            b"gAMA" => gamma = number(rest, 8),
+            b"IDAT" => break,
+            _ => {}
+        }
+        rest = rest.get(length.checked_add(CHUNK_FRAME)?..)?;
+    }
+    let gamma = f64::from(u32::try_from(gamma?).ok()?) / 1e5;
+    (gamma > 0.0 && (gamma - SRGB_GAMMA).abs() > 1e-3).then_some(gamma as f32)
+}
+
+/// A big-endian number of 32 bits.
+fn number(bytes: &[u8], at: usize) -> Option<usize> {
+    bytes.get(at..at + 4)?.try_into().ok().map(|word| u32::from_be_bytes(word) as usize)
 }
 
 /// Red, green and blue of each pixel, 0 to 1.
@@ -108,7 +139,7 @@ mod tests {
     fn grey_and_sixteen_bit_pictures_keep_their_values() {
         let grey = DynamicImage::ImageLuma16(image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8000])));
         let pixel = first_pixel(&encoded(&grey, ImageFormat::Png));
-        assert!((pixel - Vec3::splat(0.214_049_4)).length() < 1e-6, "{pixel}");
+        assert!((pixel - Vec3::splat(0.214_048_24)).length() < 1e-6, "{pixel}");
         let with_alpha =
             DynamicImage::ImageLumaA8(image::ImageBuffer::from_pixel(2, 1, image::LumaA([255, 7])));
         assert_eq!(first_pixel(&encoded(&with_alpha, ImageFormat::Png)), Vec3::ONE);
