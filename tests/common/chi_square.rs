@@ -150,7 +150,7 @@ impl Verdict {
     pub fn add(&mut self, what: impl Into<String>, probability: f64) {
         self.count += 1.0;
         // Not a number is the worst of all.
-        if self.least.as_ref().is_none_or(|(least, _)| !(probability >= *least)) {
+        if self.least.as_ref().is_none_or(|(least, _)| probability.is_nan() || probability < *least) {
             self.least = Some((probability, what.into()));
         }
     }
