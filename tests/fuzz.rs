@@ -247,8 +247,7 @@ impl Worker {
         let mut said = String::new();
         let _ = self.child.stderr.take().unwrap().read_to_string(&mut said);
         let status = self.child.wait().unwrap();
-        let last: Vec<&str> = said.lines().rev().take(3).collect();
-        format!("{status}: {}", last.join(" "))
+        format!("{status}: {}", said.lines().next().unwrap_or_default())
     }
 }
 
@@ -263,6 +262,7 @@ fn damaged_files_neither_panic_nor_hang_nor_take_much_memory() {
     if let Some(seed) = variable("WARPFRONT_FUZZ_SEED") {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
         println!("the files are in {}", folder.display());
+        MEMORY.set_limit(MOST_MEMORY).unwrap();
         return attempt(&Corpus::new(), seed, &folder).unwrap_or_else(|problem| panic!("{problem}"));
     }
     let end = Instant::now() + Duration::from_secs(variable("WARPFRONT_FUZZ_SECONDS").unwrap_or(60));

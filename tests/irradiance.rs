@@ -1,15 +1,19 @@
-//! Irradiance of small patches: under a white sky with a hole in it, and from spheres, rectangles, triangles and disks in
-//! flat space, found by chance and aimed at.
+//! Irradiance of small patches: under a white sky with a hole in it, from spheres, rectangles, triangles and disks in
+//! flat space, found by chance and aimed at, and from all of them around a hole, aimed at and found by chance to a permille.
 
+#[path = "common/chi_square.rs"]
+mod chi_square;
 mod common;
 
+use chi_square::Verdict;
 use common::{
     Random, Row, camera, film, hole, material, mean_red, mesh, obj, rectangle, render, scene_with, sphere,
     table, vector,
 };
-use glam::DVec3;
-use std::f64::consts::PI;
+use glam::{DMat3, DVec3, Vec3};
+use std::f64::consts::{PI, SQRT_2};
 use warpfront::shade::dielectric::fresnel;
+use warpfront::shade::{Environment, LatLong};
 use warpfront::trace::Run;
 
 /// Samples of a patch's hemisphere: a whole Sobol' sequence.
@@ -193,6 +197,81 @@ fn disks_light_a_parallel_patch_as_the_closed_form_says() {
         errors.extend(by_all_ways(&format!("disk {number}"), &patch, &light, &[], exact));
     }
     judge(&errors, 36);
+}
+
+/// Side of the picture of a patch: pixels are independent estimates of the same number.
+const SIDE: usize = 8;
+
+/// The mean over the pixels of a patch, and its standard error.
+fn estimate(around: &str, render_settings: &str, files: &[(&str, &str)], sky: &Environment) -> (f64, f64) {
+    let patch = rectangle(DVec3::ZERO, 5e-5 * DVec3::X, 5e-5 * DVec3::NEG_Z);
+    let text = around.to_owned()
+        + &camera(DVec3::new(0.0, 2e-5, 0.0), DVec3::ZERO, 1.0)
+        + &film(SIDE, SIDE)
+        + &format!("[render]\nmax_depth = 2\nroulette_depth = 2\n{render_settings}\n")
+        + &material("white", 1.0, 0.0)
+        + &material("light", 0.0, 1.0)
+        + &mesh("patch.obj", DVec3::ZERO, "white");
+    let mut scene = scene_with(&text, &[files, &[("patch.obj", patch.as_str())]].concat());
+    scene.environment = sky.clone();
+    let rendered = render(&scene, &Run::default());
+    let pixels = rendered.image.plane("R").unwrap().iter().map(|&value| f64::from(value));
+    let (n, mean) = ((SIDE * SIDE) as f64, mean_red(&rendered));
+    let square = pixels.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (square / n).sqrt())
+}
+
+/// A sky with bright and dark parts, as broad as what chance finds.
+fn cloudy() -> Environment {
+    let (width, height) = (8, 4);
+    let bright = |i: usize| if (i * 7) % 5 < 2 { 2.0 } else { 0.6 };
+    let pixels = (0..width * height).map(|i| Vec3::splat(bright(i))).collect();
+    Environment::Image(LatLong { width, height, pixels, from_world: DMat3::IDENTITY })
+}
+
+#[test]
+fn lights_around_a_hole_light_a_patch_as_much_aimed_at_as_found_by_chance_to_a_permille() {
+    let entity = |shape: &str| format!("[[entity]]\n{shape}\nmaterial = \"light\"\n");
+    let disk = |place: &str, normal: &str, inner: f64, outer: f64| {
+        entity(&format!("disk = {{ center = {place}, normal = {normal}, inner = {inner}, outer = {outer} }}"))
+    };
+    let panel = rectangle(DVec3::new(0.0, 3.0, 0.0), 3.0 * DVec3::X, 2.0 * DVec3::Z);
+    let beside = hole(DVec3::new(0.8, 1.5, 0.0), 1.0);
+    let above = hole(DVec3::new(0.0, 2.0, 0.0), 1.0);
+    let black = Environment::Black;
+    let cases = [
+        ("sphere beside", &beside, sphere(DVec3::new(-1.0, 2.0, 0.5), 1.0, "light"), &black),
+        ("sphere behind", &above, sphere(DVec3::new(0.0, 4.5, 0.2), 1.5, "light"), &black),
+        ("sphere around the hole", &above, sphere(DVec3::new(0.1, 2.0, 0.0), 1.0, "light"), &black),
+        ("sphere around everything", &beside, sphere(DVec3::new(0.0, 1.0, 0.0), 4.0, "light"), &black),
+        ("sphere that holds the patch", &above, sphere(DVec3::new(0.0, 0.3, 0.0), 0.9, "light"), &black),
+        ("disk around", &above, disk("[0, 2, 0]", "[0.5, 1, 0]", 1.0, 3.0), &black),
+        ("disk behind", &above, disk("[0, 4, 0]", "[0, -1, 0]", 0.0, 2.0), &black),
+        ("panel behind", &above, entity("mesh = \"panel.obj\""), &black),
+        ("sky", &beside, String::new(), &cloudy()),
+    ];
+    let mut verdict = Verdict::default();
+    for (name, hole, light, sky) in cases {
+        let around = format!("{hole}{light}");
+        let files = [("panel.obj", panel.as_str())];
+        let found = estimate(&around, "spp = 4096\nlight_sampling = \"off\"", &files, sky);
+        for mis in ["balance", "power"] {
+            let aimed = format!("spp = 2048\nseed = 1\nmis = \"{mis}\"");
+            let aimed = estimate(&around, &aimed, &files, sky);
+            let error = (found.1 * found.1 + aimed.1 * aimed.1).sqrt();
+            let z = (aimed.0 - found.0) / error;
+            println!(
+                "{name}, {mis}: {:.5}, off by {:+.2e} ± {:.1e}",
+                found.0,
+                aimed.0 / found.0 - 1.0,
+                error / found.0
+            );
+            // So much noise would hide a bias of a percent.
+            assert!(error < 2e-3 * found.0, "{name}: {found:?} {aimed:?}");
+            verdict.add(format!("{name}, {mis}: {found:?} {aimed:?}"), libm::erfc(z.abs() / SQRT_2));
+        }
+    }
+    verdict.check();
 }
 
 #[test]
