@@ -248,8 +248,9 @@ mod tests {
         for name in MISNOMERS.iter().flat_map(|misnomer| misnomer.names.split(' ')) {
             assert!(name.starts_with('-') && seen.insert(name), "{name} stands twice");
             let is_flag = render.get_arguments().any(|flag| {
-                flag.get_long() == name.strip_prefix("--")
-                    || flag.get_short().is_some_and(|short| format!("-{short}") == name)
+                let long = flag.get_long().map(|long| format!("--{long}"));
+                let short = flag.get_short().map(|short| format!("-{short}"));
+                [long, short].iter().flatten().any(|known| known == name)
             });
             assert!(!is_flag, "{name} is a flag");
         }

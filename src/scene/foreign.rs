@@ -3,9 +3,9 @@
 use std::path::Path;
 
 const BLENDER: &str =
-    "open it in Blender, choose File › Export › glTF 2.0, format glTF Binary (.glb), and render that";
+    "open it in Blender, choose File › Export › glTF 2.0, format glTF Binary (.glb), and give that";
 const IMPORT: &str = "import it in Blender (File › Import, or drop it into the window; some formats need an extension), \
-                      choose File › Export › glTF 2.0 (.glb), and render that";
+                      choose File › Export › glTF 2.0 (.glb), and give that";
 const PICTURE: &str = "a scene is a .toml, .gltf, .glb or .obj file; a picture can be the sky of one, \
                        `[environment] image = ...`, and two are compared with `warpfront compare`";
 const DESCRIPTION: &str =
