@@ -140,13 +140,185 @@ fn an_unknown_subcommand_is_refused() {
 }
 
 #[test]
-fn the_output_is_required_and_ends_in_exr() {
+fn the_output_ends_in_exr() {
     let place = Place::new();
-    assert_refused(&place.run(&["render", "scene.toml"]), &["--output"]);
     for name in ["out", "out.png", ".exr", "out.exr/", ""] {
         assert_refused(&place.run(&["render", "scene.toml", "-o", name]), &["--output"]);
     }
     assert!(place.files().is_empty());
+}
+
+#[test]
+fn a_picture_without_a_name_is_called_like_its_scene_in_the_current_folder() {
+    let place = Place::new();
+    fs::create_dir(place.path("models")).unwrap();
+    fs::rename(place.path("scene.toml"), place.path("models/room.v2.toml")).unwrap();
+    let output = place.run(&["render", "models/room.v2.toml", "--spp", "1"]);
+    assert_good(&output);
+    assert!(stderr(&output).contains("wrote room.v2.exr, room.v2.png"), "{}", stderr(&output));
+    assert_eq!(place.files(), ["models", "room.v2.exr", "room.v2.png"]);
+    assert_eq!(names(&place.path("models")), ["room.v2.toml"]);
+}
+
+#[test]
+fn flags_of_other_programs_get_the_flag_that_does_their_job() {
+    let place = Place::new();
+    let cases: &[(&[&str], &str)] = &[
+        (&["--samples", "64"], "'--spp N'"),
+        (&["--samples=64"], "'--spp N'"),
+        (&["-s", "64"], "'--spp N'"),
+        (&["--fov", "50"], "--set camera.vertical_fov=50"),
+        (&["--width", "640"], "'--size WIDTHxHEIGHT'"),
+        (&["--resolution", "640", "480"], "'--size WIDTHxHEIGHT'"),
+        (&["--output-file", "a.exr"], "'--output FILE'"),
+        (&["--denoise"], "--aov albedo,normal,variance"),
+        (&["--gpu"], "CPU"),
+        (&["--bounces", "8"], "'--max-depth N'"),
+        (&["--hole", "0,0,0,1"], "'--black-hole X,Y,Z,RS'"),
+        (&["-t", "4"], "'--threads N'"),
+        (&["--nthreads", "4"], "'--threads N'"),
+        (&["--time", "60"], "'--time-limit TIME'"),
+        (&["--verbose"], "'--stats FILE.json'"),
+        (&["--film-transparent"], "'--background transparent'"),
+        (&["--passes", "depth"], "'--aov LIST'"),
+        (&["--region", "0,0,1,1"], "'--crop X0,Y0,X1,Y1'"),
+        (&["-D", "a=b"], "'--set KEY=VALUE'"),
+    ];
+    for (flags, said) in cases {
+        let output = place.render(flags);
+        assert_refused(&output, &[said, "tip: "]);
+        assert_eq!(stderr(&output).matches("tip: ").count(), 1, "{}", stderr(&output));
+    }
+    // A slip of the pen keeps clap's own suggestion, and a subcommand without the flag gets no advice to use it.
+    assert_refused(&place.render(&["--sise", "4x4"]), &["'--size'"]);
+    let output = place.run(&["compare", "a.exr", "b.exr", "--samples", "4"]);
+    assert!(!stderr(&output).contains("--spp"), "{}", stderr(&output));
+    assert_refused(&place.run(&["scene.toml", "-o", "out.exr"]), &["'warpfront render scene.toml'"]);
+}
+
+#[test]
+fn files_that_are_no_scenes_are_told_how_to_become_one() {
+    let place = Place::new();
+    let cases = [
+        ("room.blend", "a Blender file, not a scene file", "File › Export › glTF 2.0"),
+        ("room.fbx", "an FBX file", "glTF"),
+        ("ROOM.USDZ", "a USD file", "glTF"),
+        ("room.usda", "a USD file", "glTF"),
+        ("room.dae", "a COLLADA file", "glTF"),
+        ("room.stl", "an STL file", "glTF"),
+        ("room.ply", "a PLY file", "glTF"),
+        ("room.abc", "an Alembic file", "glTF"),
+        ("room.3ds", "a 3DS file", "glTF"),
+        ("room.max", "a 3ds Max file", "glTF"),
+        ("room.mb", "a Maya file", "glTF"),
+        ("room.c4d", "a Cinema 4D file", "glTF"),
+        ("room.exr", "a picture, not a scene file", "`warpfront compare`"),
+        ("room.png", "a picture", "`[environment] image"),
+        ("room.zip", "an archive", "unpack"),
+        ("room", "not a scene file", ".glb"),
+    ];
+    for (name, what, remedy) in cases {
+        for command in ["render", "info"] {
+            assert_refused(&place.run(&[command, name]), &[name, what, "help: ", remedy]);
+        }
+    }
+    for key in ["mesh", "gltf"] {
+        let entity = format!("{SCENE}[[entity]]\n{key} = \"room.blend\"\n");
+        fs::write(place.path("scene.toml"), entity).unwrap();
+        let reads = format!("`{key}` reads");
+        let said = ["scene.toml:14:", &reads, "a Blender file", "File › Export › glTF 2.0"];
+        assert_refused(&place.render(&[]), &said);
+    }
+    assert!(place.files().is_empty());
+}
+
+#[test]
+fn completions_and_manual_pages_know_all_flags() {
+    let place = Place::new();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let output = place.run(&["completions", shell]);
+        assert_good(&output);
+        assert!(stdout(&output).contains("black-hole"), "{shell}");
+    }
+    let page = place.run(&["man"]);
+    assert_good(&page);
+    assert!(stdout(&page).contains(".TH warpfront 1") && stdout(&page).contains("Exit codes"));
+    let page = stdout(&place.run(&["man", "render"]));
+    assert!(page.contains("warpfront\\-render") && page.contains("black\\-hole"), "{page}");
+    assert_refused(&place.run(&["man", "rendr"]), &["`rendr`", "render"]);
+    fs::create_dir(place.path("man1")).unwrap();
+    assert_good(&place.run(&["man", "-o", "man1"]));
+    let pages = names(&place.path("man1"));
+    assert!(pages.contains(&"warpfront.1".to_owned()) && pages.contains(&"warpfront-render.1".to_owned()));
+    assert_eq!(pages.len(), 11, "{pages:?}");
+    assert_refused(&place.run(&["man", "-o", "nowhere"]), &["nowhere", "help:"]);
+}
+
+#[test]
+fn all_planes_are_asked_for_at_once() {
+    let place = Place::new();
+    assert_good(&place.render(&["--spp", "1", "--no-png", "--aov", "depth,all"]));
+    let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
+    let planes: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
+    for aov in
+        ["depth.Z", "normal.X", "albedo.R", "position.X", "entity.ID", "variance.R", "steps.N", "fate.ID"]
+    {
+        assert_eq!(planes.iter().filter(|name| **name == aov).count(), 1, "{planes:?}");
+    }
+}
+
+#[test]
+fn a_transparent_background_has_no_alpha_in_the_picture_the_preview_and_by_every_way_to_ask_for_it() {
+    let place = Place::new();
+    let flags = ["--spp", "4", "--stats", "out.json"];
+    let corner = || {
+        let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
+        [image.plane("R").unwrap()[0], image.plane("A").unwrap()[0]]
+    };
+    assert_good(&place.render(&flags));
+    assert_eq!(corner(), [1.0, 1.0]);
+    assert_eq!(image::open(place.path("out.png")).unwrap().color(), image::ColorType::Rgb8);
+    for way in [["--background", "transparent"], ["--set", "film.background=transparent"]] {
+        assert_good(&place.render(&[&flags[..], &way].concat()));
+        assert_eq!(corner(), [0.0, 0.0], "{way:?}");
+        let preview = image::open(place.path("out.png")).unwrap();
+        assert_eq!(preview.color(), image::ColorType::Rgba8);
+        let preview = preview.to_rgba8();
+        assert_eq!((preview.get_pixel(0, 0).0[3], preview.get_pixel(8, 6).0[3]), (0, 255));
+        let stats: serde_json::Value =
+            serde_json::from_slice(&fs::read(place.path("out.json")).unwrap()).unwrap();
+        assert_eq!(stats["settings"]["background"], "transparent");
+    }
+    let refused = place.render(&["--set", "film.background=clear"]);
+    assert_refused(&refused, &["clear", "opaque", "transparent"]);
+}
+
+#[test]
+fn info_warns_as_render_does() {
+    let place = Place::new();
+    fs::write(place.path("m.obj"), "l 1 2\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let warnings = |text: &str| -> Vec<String> {
+        let rows = text.lines().filter(|line| line.starts_with("warning"));
+        rows.map(|line| line.trim_start_matches("warning").trim_start_matches(':').trim().to_owned())
+            .collect()
+    };
+    let info = warnings(&stdout(&place.run(&["info", "m.obj"])));
+    let render = warnings(&stderr(&place.run(&["render", "m.obj", "--spp", "1", "--size", "8x6"])));
+    assert!(!info.is_empty() && info == render, "{info:?} {render:?}");
+}
+
+#[test]
+fn info_writes_numbers_as_people_do() {
+    let place = Place::new();
+    let hole = ["--black-hole", "0.30000000000000004,0,-1e-9,0.1", "--set", "camera.vertical_fov=39.59775"];
+    let text = stdout(&place.run(&[&["info", "scene.toml"][..], &hole].concat()));
+    for said in ["r_s 0.1 at (0.3, 0, -1e-9)", "horizon 0.025, photon sphere 0.0933", "field of view 39.6°"]
+    {
+        assert!(text.contains(said), "{text}\nlacks {said}");
+    }
+    let limited = ["--spp", "100000000", "--time-limit", "1s", "--noise", "0.01"];
+    let text = stdout(&place.run(&[&["info", "scene.toml"][..], &limited].concat()));
+    assert!(text.contains("--time-limit ends it after 1s") && text.contains("--noise 0.01"), "{text}");
 }
 
 #[test]

@@ -113,6 +113,27 @@ fn points_lie_close_enough_to_be_drawn_as_a_curve() {
 }
 
 #[test]
+fn rays_leave_the_picture_without_a_corner_and_along_the_geodesic() {
+    // Nothing beyond the photon sphere, so that rays need not be followed from there.
+    let place = Place::new();
+    let near = ["--set", "entity.0.sphere.center=[0,1,0]", "--set", "entity.0.sphere.radius=0.3"];
+    let rays = place.table(&[&["--count", "61"][..], &near].concat());
+    for (points, _) in rays.values().filter(|(_, fate)| fate == "escaped") {
+        let pieces: Vec<DVec3> = points.windows(2).map(|two| two[1] - two[0]).collect();
+        let corner = pieces.windows(2).map(|two| two[0].angle_between(two[1])).fold(0.0, f64::max);
+        assert!(corner < 0.03, "a corner of {corner}");
+        // On the geodesic all the way out: |x × p| is kept, p = n along the ray, here at the middle of each piece.
+        let spin = |two: &[DVec3]| {
+            let (middle, along) = (0.5 * (two[0] + two[1]) - HOLE, (two[1] - two[0]).normalize());
+            let u = 0.25 / middle.length();
+            (1.0 + u).powi(3) / (1.0 - u) * middle.cross(along).length()
+        };
+        let (first, last) = (spin(&points[..2]), spin(&points[points.len() - 2..]));
+        assert!((first - last).abs() < 5e-3 * first, "an impact parameter of {first} becomes {last}");
+    }
+}
+
+#[test]
 fn the_fan_starts_where_it_is_told_and_opens_towards_the_hole_in_the_plane_asked_for() {
     let rays = Place::new().table(&["--from=10,1,0", "--up", "0,0,1", "--count", "5", "--fan", "20"]);
     for (points, _) in rays.values() {

@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 
 use super::bench_args::BenchArgs;
+use super::help;
 use super::parse;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
 use super::shared_args::{
-    AccuracyArgs, ChangeArgs, MemoryArgs, OutputArgs, ReadArgs, RunArgs, SceneArgs, SettingArgs, ShareArgs,
+    AccuracyArgs, ChangeArgs, MemoryArgs, OutputArgs, ReadArgs, RunArgs, SceneArgs, SettingArgs,
 };
 use crate::math::simd::SimdLevel;
 use crate::scene::{LightSampling, Precision, Schedule, Settings, StepperKind};
@@ -18,7 +20,7 @@ use crate::study::free::Accuracy;
 
 /// A path tracer for real scenes in warped spacetime.
 #[derive(Debug, Parser)]
-#[command(name = "warpfront", version)]
+#[command(name = "warpfront", version, after_help = help::ALL)]
 pub(super) struct Cli {
     #[command(subcommand)]
     pub(super) command: Command,
@@ -38,21 +40,35 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Render a scene to an OpenEXR file and a PNG preview
+    #[command(after_help = help::RENDER)]
     Render(Box<RenderArgs>),
     /// Tell what a scene holds, and which stages a render of it runs and why
+    #[command(after_help = help::INFO)]
     Info(Box<InfoArgs>),
     /// Tell how far a picture is from a reference, and whether noise explains it
+    #[command(after_help = help::COMPARE)]
     Compare(CompareArgs),
     /// Draw a fan of rays past the hole, in a plane, with what the plane cuts
+    #[command(after_help = help::RAYS)]
     Rays(RaysArgs),
     /// Measure errors and speed of steppers and tolerances on a scene
+    #[command(after_help = help::STUDY)]
     Study(StudyArgs),
     /// Race the wavefront against other ways to render a scene, and measure how cost grows
+    #[command(after_help = help::BENCH)]
     Bench(BenchArgs),
     /// Follow the rays of a CSV file through empty space around a hole
+    #[command(after_help = help::TRACE)]
     Trace(TraceArgs),
     /// Find all rays that join pairs of points around a hole
+    #[command(after_help = help::CONNECT)]
     Connect(ConnectArgs),
+    /// Print the completions of a shell
+    #[command(after_help = help::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Print a manual page, or write all of them to a folder
+    #[command(after_help = help::MAN)]
+    Man(ManArgs),
 }
 
 /// Arguments of `render`.
@@ -79,7 +95,7 @@ pub(super) struct InfoArgs {
     #[command(flatten)]
     pub(super) settings: SettingArgs,
     #[command(flatten)]
-    pub(super) share: ShareArgs,
+    pub(super) run: RunArgs,
     /// Print JSON
     #[arg(long)]
     pub(super) json: bool,
@@ -94,19 +110,20 @@ pub(super) struct CompareArgs {
     /// OpenEXR picture of the same size: the reference
     #[arg(value_name = "B.exr")]
     pub(super) b: PathBuf,
-    /// OpenEXR file to write: A - B in every channel that both have
+    /// OpenEXR file to write: A - B in every channel that both have [default: none]
     #[arg(short, long, value_name = "DIFF.exr", value_parser = OsStringValueParser::new().try_map(|s| parse::exr(&s)))]
     pub(super) output: Option<PathBuf>,
     /// PNG to write: relative difference of the colours, logarithmic from 0.001 (black) to 1 (pale yellow)
+    /// [default: none]
     #[arg(long, value_name = "DIFF.png", value_parser = OsStringValueParser::new().try_map(|s| parse::png(&s)))]
     pub(super) png: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     pub(super) json: bool,
-    /// Exit with 1 if the RMSE of the colours is above this
+    /// Exit with 1 if the RMSE of the colours is above this [default: no limit]
     #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
     pub(super) max_rmse: Option<f64>,
-    /// Exit with 1 if the relative MSE of the colours is above this
+    /// Exit with 1 if the relative MSE of the colours is above this [default: no limit]
     #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
     pub(super) max_relmse: Option<f64>,
     /// Exit with 1 unless the colours are identical or the same within noise
@@ -155,7 +172,7 @@ pub(super) struct StudyArgs {
     #[command(flatten)]
     pub(super) reads: ReadArgs,
     /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of exact
-    /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens
+    /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens [default: none]
     #[arg(
         long,
         value_name = "RAYS.csv",
@@ -197,7 +214,7 @@ pub(super) struct StudyArgs {
     /// Samples per pixel where the speed of whole paths is measured
     #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
     pub(super) spp: u32,
-    /// Compares ways to look for lights, separated by commas, instead of steppers
+    /// Compares ways to look for lights, separated by commas, instead of steppers [default: none]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
     pub(super) light_sampling: Vec<LightSampling>,
     /// Samples per pixel of the pictures of --light-sampling, separated by commas [default: 1,4,16,64]
@@ -215,6 +232,7 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true, requires = "light_sampling")]
     pub(super) reference_spp: Option<u32>,
     /// Picture that is the reference of --light-sampling; its noise is known if it has variances
+    /// [default: one is rendered]
     #[arg(long, value_name = "FILE.exr", conflicts_with = "reference_spp", requires = "light_sampling")]
     pub(super) reference: Option<PathBuf>,
     /// Times that each setting is measured, all settings in turn; medians of times count
@@ -240,13 +258,13 @@ pub(super) struct TraceArgs {
     /// Preset of --stepper and --tolerance
     #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
     quality: Quality,
-    /// How rays are advanced through curved space
+    /// How rays are advanced through curved space [default: the preset's]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in
     #[arg(long, value_enum, value_name = "NAME", default_value = "f64")]
     precision: Precision,
-    /// Largest error of a ray's direction, radians at its start
+    /// Largest error of a ray's direction, radians at its start [default: the preset's]
     #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Worker threads; 0 means one per core
@@ -291,8 +309,29 @@ pub(super) struct ConnectArgs {
     pub(super) strict: bool,
 }
 
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// Which shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(super) shell: Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Debug, Args)]
+pub(super) struct ManArgs {
+    /// Subcommand whose page is printed [default: the program's own page]
+    #[arg(value_name = "COMMAND", conflicts_with = "output")]
+    pub(super) command: Option<String>,
+    /// Folder to write all pages to [default: one is printed]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(super) output: Option<PathBuf>,
+}
+
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use clap::CommandFactory;
     use serde_json::{Value, json};
 
@@ -309,6 +348,73 @@ mod tests {
     #[test]
     fn the_argument_definitions_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    /// What stands behind `[default: ` in the help of each flag that takes a value.
+    fn defaults(command: &clap::Command) -> BTreeMap<String, Option<String>> {
+        let flags = command.get_arguments().filter(|flag| {
+            !flag.is_positional() && !flag.is_required_set() && flag.get_action().takes_values()
+        });
+        let default = |flag: &clap::Arg| {
+            let set: Vec<String> =
+                flag.get_default_values().iter().map(|value| value.to_string_lossy().into_owned()).collect();
+            let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
+            let told = help.split_once("[default: ").map(|(_, told)| told.trim_end_matches(']').to_owned());
+            told.or((!set.is_empty()).then(|| set.join(",")))
+        };
+        flags.map(|flag| (flag.get_id().to_string(), default(flag))).collect()
+    }
+
+    #[test]
+    fn help_tells_the_default_of_every_flag_that_takes_a_value() {
+        for command in Cli::command().get_subcommands() {
+            for (flag, default) in defaults(command) {
+                assert!(default.is_some(), "{} --{flag} does not tell", command.get_name());
+            }
+            assert!(command.get_after_help().is_some(), "{} has no examples", command.get_name());
+        }
+    }
+
+    #[test]
+    fn defaults_in_the_help_are_those_that_hold() {
+        let settings = serde_json::to_value(Settings::default()).unwrap();
+        let told = defaults(Cli::command().find_subcommand("render").unwrap());
+        let mut checked = 0;
+        for (flag, told) in told {
+            let Some((_, told)) =
+                told.unwrap().split_once(", else ").map(|(a, b)| (a.to_owned(), b.to_owned()))
+            else {
+                continue;
+            };
+            let key = if flag == "mis" { "heuristic" } else { &flag };
+            let holds = match &settings[key] {
+                serde_json::Value::String(name) => name.clone(),
+                serde_json::Value::Number(number) => {
+                    assert_eq!(told.parse::<f64>().ok(), number.as_f64(), "--{flag}");
+                    told.clone()
+                }
+                _ if flag == "size" => format!("{}x{}", settings["width"], settings["height"]),
+                _ => "from the pixel footprint".to_owned(),
+            };
+            assert_eq!(told, holds, "--{flag}");
+            checked += 1;
+        }
+        assert!(checked >= 16, "{checked}");
+    }
+
+    #[test]
+    fn examples_in_the_help_can_be_parsed() {
+        let command = Cli::command();
+        let texts = command.get_subcommands().chain([&command]).filter_map(|c| c.get_after_help());
+        let text: String = texts.map(|text| format!("{text}\n")).collect();
+        let examples: Vec<&str> = text.lines().filter(|line| line.starts_with("  warpfront ")).collect();
+        assert!(examples.len() > 15);
+        for example in examples {
+            let arguments = example.split(['|', '>']).next().unwrap_or_default().split_whitespace();
+            if let Err(error) = Cli::try_parse_from(arguments) {
+                assert!(!error.use_stderr(), "{example}: {error}");
+            }
+        }
     }
 
     #[test]
@@ -331,6 +437,7 @@ mod tests {
         let flags = [
             "--size=5x6",
             "--filter=box",
+            "--background=transparent",
             "--exposure=-1.5",
             "--spp=3",
             "--max-depth=9",
@@ -351,6 +458,7 @@ mod tests {
             "width": 5,
             "height": 6,
             "filter": "box",
+            "background": "transparent",
             "exposure": -1.5,
             "spp": 3,
             "max_depth": 9,

@@ -17,13 +17,13 @@ use crate::trace::Run;
 pub(super) struct BenchArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// Writes PREFIX.csv, PREFIX.json, PREFIX.svg and PREFIX.png
+    /// Writes PREFIX.csv, PREFIX.json, PREFIX.svg and PREFIX.png [default: no files]
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: Option<PathBuf>,
     /// What the wavefront races against, separated by commas
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', default_value = "per-pixel")]
     pub(super) baseline: Vec<Contender>,
-    /// Measures how cost grows with this
+    /// Measures how cost grows with this [default: only the race]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) sweep: Option<Vary>,
     /// Values of --sweep, separated by commas [default: some that suit the scene]
@@ -38,18 +38,18 @@ pub(super) struct BenchArgs {
     /// Samples per pixel [default: 4]
     #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
     spp: Option<u32>,
-    /// Most ray segments in a path, the camera's included
+    /// Most ray segments in a path, the camera's included [default: the scene's, else 16]
     #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
     max_depth: Option<u32>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
-    /// How lights are looked for beside the rays that run into them
+    /// How lights are looked for beside the rays that run into them [default: the scene's, else geodesic]
     #[arg(long, value_enum, value_name = "NAME")]
     light_sampling: Option<LightSampling>,
     /// Worker threads; 0 means one per core [default: 0]
     #[arg(long, value_name = "N", value_parser = parse::threads, allow_hyphen_values = true)]
     threads: Option<usize>,
-    /// Rays in flight per worker
+    /// Rays in flight per worker [default: 1024]
     #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
     batch: Option<usize>,
 }

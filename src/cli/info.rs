@@ -3,13 +3,15 @@
 use std::fmt::Write;
 use std::time::Duration;
 
+use glam::Vec3;
 use serde::Serialize;
 
 use super::args::InfoArgs;
+use super::cost::{self, Limits};
 use super::failure::Failure;
 use super::stages::{self, Stage};
-use super::units::{bytes, plural};
-use super::{Outcome, cost, memory, print, print_json, shown};
+use super::units::{bytes, plural, rounded};
+use super::{Outcome, memory, print, print_json, shown};
 use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, Schedule, Settings, SpacetimeKind, flag_name};
@@ -17,6 +19,8 @@ use crate::shade::{Environment, Lobe};
 use crate::study::forecast::Forecast;
 use crate::trace::{Run, probe};
 
+/// Significant digits of places and lengths: about what glTF's numbers hold.
+const PLACE: usize = 6;
 /// How long the probe may take.
 const PROBE: Duration = Duration::from_secs(1);
 
@@ -24,7 +28,7 @@ const PROBE: Duration = Duration::from_secs(1);
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     let mut scene = scene::load_with(&args.scene.path, &args.scene.options()?)?;
     args.settings.apply(&mut scene.settings);
-    let run = args.share.resolve(scene.settings.width, scene.settings.height)?;
+    let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     let report = Report::of(args.scene.path.display().to_string(), &scene, &run);
     if args.json {
         print_json(&report)?;
@@ -47,7 +51,10 @@ struct Report<'a> {
     settings: &'a Settings,
     memory: Memory,
     stages: Vec<Stage>,
+    /// Of all samples, whatever limits there are.
     cost: Forecast,
+    #[serde(skip)]
+    limits: Limits,
     /// The faster one; absent where neither surely is.
     #[serde(skip_serializing_if = "Option::is_none")]
     schedule: Option<Schedule>,
@@ -125,6 +132,7 @@ impl<'a> Report<'a> {
             stages: stages::of(scene, probe.lights, &run.aovs),
             schedule: cost.faster().map(|(schedule, _)| schedule),
             cost,
+            limits: Limits { time: run.time_limit, noise: run.noise },
             warnings: &scene.warnings,
         }
     }
@@ -142,7 +150,7 @@ impl<'a> Report<'a> {
             ("film", film(self.settings)),
             ("paths", paths(self.settings)),
             ("memory", self.memory.text()),
-            ("cost", cost::time(&self.cost)),
+            ("cost", cost::time(&self.cost, &self.limits)),
             ("schedule", cost::schedule(&self.cost, self.settings.schedule)),
         ];
         rows.extend(self.stages.iter().map(|stage| {
@@ -176,9 +184,11 @@ impl Spacetime {
         match self {
             Spacetime::Flat => "flat".to_owned(),
             Spacetime::Schwarzschild { center, schwarzschild_radius, horizon, photon_sphere } => format!(
-                "Schwarzschild, r_s {schwarzschild_radius} at {}; \
-                 isotropic radii: horizon {horizon:.4}, photon sphere {photon_sphere:.4}",
-                point(center)
+                "Schwarzschild, r_s {} at {}; isotropic radii: horizon {}, photon sphere {}",
+                rounded(*schwarzschild_radius, PLACE),
+                point(center),
+                rounded(*horizon, 4),
+                rounded(*photon_sphere, 4)
             ),
         }
     }
@@ -248,8 +258,8 @@ impl Lights {
 
 impl View {
     fn text(&self) -> String {
-        let (position, forward) = (point(&self.position), point(&self.forward));
-        format!("at {position} along {forward}, vertical field of view {:.4}°", self.vertical_fov)
+        let (position, forward) = (point(&self.position), triple(self.forward.map(|x| rounded(x, 3))));
+        format!("at {position} along {forward}, vertical field of view {}°", rounded(self.vertical_fov, 3))
     }
 }
 
@@ -275,10 +285,13 @@ impl Memory {
 fn environment(environment: &Environment) -> String {
     match environment {
         Environment::Black => "black".to_owned(),
-        Environment::Constant(radiance) => format!("constant {radiance}"),
-        Environment::Gradient { ground, horizon, zenith } => {
-            format!("gradient: ground {ground}, horizon {horizon}, zenith {zenith}")
-        }
+        Environment::Constant(radiance) => format!("constant {}", color(*radiance)),
+        Environment::Gradient { ground, horizon, zenith } => format!(
+            "gradient: ground {}, horizon {}, zenith {}",
+            color(*ground),
+            color(*horizon),
+            color(*zenith)
+        ),
         Environment::Image(image) => format!("image of {}x{} pixels", image.width, image.height),
     }
 }
@@ -296,14 +309,20 @@ fn paths(settings: &Settings) -> String {
 }
 
 fn point(coordinates: &[f64; 3]) -> String {
-    // Adding zero turns -0 into 0.
-    let [x, y, z] = coordinates.map(|coordinate| coordinate + 0.0);
+    triple(coordinates.map(|coordinate| rounded(coordinate, PLACE)))
+}
+
+fn color(radiance: Vec3) -> String {
+    triple(radiance.to_array().map(|channel| rounded(f64::from(channel), 3)))
+}
+
+fn triple([x, y, z]: [String; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
+    use glam::DVec3;
 
     use super::super::stages::tests::empty_scene;
     use super::*;
@@ -325,7 +344,7 @@ mod tests {
         let text = Report::of("a.toml".to_owned(), &scene, &Run::default()).text();
         let expected = [
             "scene        a.toml",
-            "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1.0000, photon sphere 3.7321",
+            "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1, photon sphere 3.732",
             "1 diffuse, 0 mirror, 0 dielectric; 0 of them emit",
             "lights       2 point, 1 spot, 0 distant",
             "at (0, 0, 5) along (0, 0, -1)",

@@ -7,10 +7,13 @@ mod compare;
 mod connect;
 mod cost;
 mod failure;
+mod help;
 mod info;
 mod interrupt;
 mod light_study;
+mod manual;
 mod memory;
+mod misnomers;
 mod outputs;
 mod overwrite;
 mod parse;
@@ -29,11 +32,12 @@ mod table;
 mod trace;
 mod units;
 
+use std::env;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use serde::Serialize;
 
 use crate::math::simd;
@@ -56,7 +60,8 @@ enum Outcome {
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
+        Err(mut error) => {
+            misnomers::advise(&mut error, Cli::command(), &env::args_os().collect::<Vec<_>>());
             print_usage(&error);
             return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
         }
@@ -84,6 +89,8 @@ fn run(cli: &Cli) -> Result<Outcome, Failure> {
         Command::Bench(args) => bench::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Connect(args) => connect::run(args),
+        Command::Completions(args) => manual::completions(args),
+        Command::Man(args) => manual::man(args),
     }
 }
 

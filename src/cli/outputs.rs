@@ -10,7 +10,7 @@ use super::failure::Failure;
 use super::shared_args::OutputArgs;
 use crate::film::atomic::Output;
 use crate::film::{write_exr, write_png};
-use crate::scene::Settings;
+use crate::scene::{Background, Settings};
 use crate::trace::{Rendered, Stats};
 
 /// The files to be written.
@@ -38,12 +38,13 @@ struct Record<'a> {
 
 impl Outputs {
     /// Opens them all, so that one that cannot be written is found before the render and not after.
-    pub(super) fn open(args: &OutputArgs) -> Result<Self, Failure> {
-        let beside = (!args.no_png).then(|| args.output.with_extension("png"));
+    pub(super) fn open(args: &OutputArgs, scene: &Path) -> Result<Self, Failure> {
+        let picture = args.picture(scene);
+        let beside = (!args.no_png).then(|| picture.with_extension("png"));
         let png = args.png.clone().or(beside);
         let open = |path: &Path| Output::create(path).map_err(Failure::from);
         Ok(Self {
-            exr: open(&args.output)?,
+            exr: open(&picture)?,
             png: png.as_deref().map(open).transpose()?,
             stats: args.stats.as_deref().map(open).transpose()?,
         })
@@ -64,7 +65,8 @@ impl Outputs {
     pub(super) fn write(self, rendered: &Rendered, settings: &Settings, scene: &Path) -> Result<(), Failure> {
         self.exr.commit(|out| write_exr(&rendered.image, out))?;
         if let Some(png) = self.png {
-            png.commit(|out| write_png(&rendered.image, settings.exposure, out))?;
+            let transparent = settings.background == Background::Transparent;
+            png.commit(|out| write_png(&rendered.image, settings.exposure, transparent, out))?;
         }
         if let Some(stats) = self.stats {
             let record = Record {

@@ -2,11 +2,16 @@
 //!
 //! clap puts the flag and the value before these messages; they say what to give instead.
 
-use crate::scene::{MAX_SEGMENTS, MAX_WINDING};
 use std::ffi::OsStr;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use crate::film::Aov;
+use crate::scene::{MAX_SEGMENTS, MAX_WINDING};
 
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
@@ -150,6 +155,19 @@ pub(super) fn crop(text: &str) -> Result<[usize; 4], String> {
     }
 }
 
+/// A part of `--aov`: one plane, or all.
+#[derive(Clone, Debug)]
+pub(super) struct Planes(pub(super) Vec<Aov>);
+
+/// The name of a plane, or `all`.
+pub(super) fn planes() -> impl TypedValueParser<Value = Planes> {
+    let all = PossibleValue::new("all").help("All of these");
+    let names = Aov::value_variants().iter().filter_map(Aov::to_possible_value).chain([all]);
+    PossibleValuesParser::new(names).map(|name| {
+        Planes(Aov::from_str(&name, false).map_or(Aov::value_variants().to_vec(), |plane| vec![plane]))
+    })
+}
+
 /// `X,Y,Z`: a point or a direction, scene units.
 pub(super) fn triple(text: &str) -> Result<[f64; 3], String> {
     numbers(text, |part| finite(part).ok()).ok_or_else(|| "give X,Y,Z, such as 0,1,0".to_owned())
@@ -180,7 +198,10 @@ pub(super) fn assignment(text: &str) -> Result<String, String> {
 
 /// A file name that ends in `.exr`.
 pub(super) fn exr(text: &OsStr) -> Result<PathBuf, String> {
-    with_extension(text, &["exr"])
+    with_extension(text, &["exr"]).map_err(|remedy| match png(text) {
+        Ok(_) => format!("{remedy}; --png names the PNG beside it"),
+        Err(_) => remedy,
+    })
 }
 
 /// A file name that ends in `.png`.
@@ -191,6 +212,11 @@ pub(super) fn png(text: &OsStr) -> Result<PathBuf, String> {
 /// A file name that ends in `.json`.
 pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
     with_extension(text, &["json"])
+}
+
+/// Whether this could be the name of a scene.
+pub(super) fn names_a_scene(text: &str) -> bool {
+    with_extension(OsStr::new(text), &["toml", "gltf", "glb", "obj"]).is_ok()
 }
 
 /// What file names begin with.

@@ -11,7 +11,7 @@ use crate::{scene, trace};
 /// Renders a scene and writes the files.
 pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install();
-    let outputs = Outputs::open(&args.output)?;
+    let outputs = Outputs::open(&args.output, &args.scene.path)?;
     let options = args.scene.options()?;
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.opened())?;

@@ -1,5 +1,6 @@
 //! Groups of arguments that several subcommands take.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -7,13 +8,12 @@ use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use super::failure::Failure;
-use super::parse;
+use super::parse::{self, Planes};
 use super::quality::Quality;
 use crate::asset::{Files, Memory};
-use crate::film::Aov;
 use crate::light::Heuristic;
 use crate::scene::{
-    Filter, LightSampling, LoadOptions, Precision, SamplerKind, Schedule, Settings, StepperKind,
+    Background, Filter, LightSampling, LoadOptions, Precision, SamplerKind, Schedule, Settings, StepperKind,
 };
 use crate::trace::Run;
 
@@ -84,10 +84,10 @@ impl ReadArgs {
 /// What is changed in a scene.
 #[derive(Debug, Args)]
 pub(super) struct ChangeArgs {
-    /// Set a value of the scene file; may be given several times
+    /// Set a value of the scene file; may be given several times [default: none]
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
     overrides: Vec<String>,
-    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units
+    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units [default: the scene's spacetime]
     #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
     black_hole: Option<[f64; 4]>,
 }
@@ -103,60 +103,76 @@ impl ChangeArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputArgs {
-    /// OpenEXR file to write
+    /// OpenEXR file to write [default: the scene's name with .exr, in the current folder]
     #[arg(short, long, value_name = "FILE.exr", value_parser = OsStringValueParser::new().try_map(|s| parse::exr(&s)))]
-    pub(super) output: PathBuf,
+    output: Option<PathBuf>,
     /// PNG preview to write [default: beside the EXR, with the same stem]
     #[arg(long, value_name = "FILE.png", value_parser = OsStringValueParser::new().try_map(|s| parse::png(&s)))]
     pub(super) png: Option<PathBuf>,
     /// Write no PNG preview
     #[arg(long, conflicts_with = "png")]
     pub(super) no_png: bool,
-    /// Write settings, counts and times as JSON
+    /// Write settings, counts and times as JSON [default: not written]
     #[arg(long, value_name = "FILE.json", value_parser = OsStringValueParser::new().try_map(|s| parse::json(&s)))]
     pub(super) stats: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// The picture of `scene`.
+    pub(super) fn picture(&self, scene: &Path) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            let mut name = scene.file_stem().unwrap_or(OsStr::new("picture")).to_owned();
+            name.push(".exr");
+            name.into()
+        })
+    }
 }
 
 /// What goes over the settings of the scene file.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct SettingArgs {
-    /// Samples per pixel
+    /// Samples per pixel [default: the scene's, else 64]
     #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
     spp: Option<u32>,
-    /// Size of the picture in pixels
+    /// Size of the picture in pixels [default: the scene's, else 640x480]
     #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
     size: Option<(usize, usize)>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
-    /// Order in which the kernels run; the picture is the same
+    /// Order in which the kernels run; the picture is the same [default: the scene's, else wavefront]
     #[arg(long, value_enum, value_name = "NAME")]
     schedule: Option<Schedule>,
-    /// Most ray segments in a path, the camera's included
+    /// Most ray segments in a path, the camera's included [default: the scene's, else 16]
     #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
     max_depth: Option<u32>,
-    /// Russian roulette may end paths after this many segments
+    /// Russian roulette may end paths after this many segments [default: the scene's, else 5]
     #[arg(long, value_name = "N", value_parser = parse::roulette, allow_hyphen_values = true)]
     roulette_depth: Option<u32>,
-    /// Seed of all random numbers
+    /// Seed of all random numbers [default: the scene's, else 0]
     #[arg(long, value_name = "N", value_parser = parse::seed, allow_hyphen_values = true)]
     seed: Option<u64>,
-    /// Exposure of the PNG preview in stops
+    /// Exposure of the PNG preview in stops [default: the scene's, else 0]
     #[arg(long, value_name = "STOPS", value_parser = parse::exposure, allow_hyphen_values = true)]
     exposure: Option<f64>,
-    /// Reconstruction filter
+    /// Reconstruction filter [default: the scene's, else tent]
     #[arg(long, value_enum, value_name = "NAME")]
     filter: Option<Filter>,
-    /// Source of random numbers
+    /// What camera rays bring that leave to infinity: the environment, or nothing with alpha 0 [default: the scene's, else
+    /// opaque]
+    #[arg(long, value_enum, value_name = "NAME")]
+    background: Option<Background>,
+    /// Source of random numbers [default: the scene's, else sobol]
     #[arg(long, value_enum, value_name = "NAME")]
     sampler: Option<SamplerKind>,
     /// How lights are looked for beside the rays that run into them; `straight` is the paper's way, wrong near a hole
+    /// [default: the scene's, else geodesic]
     #[arg(long, value_enum, value_name = "NAME")]
     light_sampling: Option<LightSampling>,
-    /// Largest winding number of rays to lights that are looked for
+    /// Largest winding number of rays to lights that are looked for [default: the scene's, else 1]
     #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
     max_winding: Option<u32>,
-    /// How light that is found both ways is shared
+    /// How light that is found both ways is shared [default: the scene's, else balance]
     #[arg(long, value_enum, value_name = "NAME")]
     mis: Option<Heuristic>,
 }
@@ -164,19 +180,21 @@ pub(super) struct SettingArgs {
 /// How rays are integrated.
 #[derive(Debug, Default, Args)]
 pub(super) struct AccuracyArgs {
-    /// Preset of --stepper, --tolerance and --arc-tolerance
+    /// Preset of --stepper, --tolerance and --arc-tolerance, over the scene's values [default: none; `standard` is what
+    /// holds if the scene sets none]
     #[arg(long, value_enum, value_name = "PRESET")]
     quality: Option<Quality>,
-    /// How rays are advanced through curved space
+    /// How rays are advanced through curved space [default: the scene's, else rkn6]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
-    /// Numbers that orbits are followed in
+    /// Numbers that orbits are followed in [default: the scene's, else f64]
     #[arg(long, value_enum, value_name = "NAME")]
     precision: Option<Precision>,
-    /// Largest error of a ray's direction, radians at its start
+    /// Largest error of a ray's direction, radians at its start [default: the scene's, else 1e-5]
     #[arg(long, value_name = "T", value_parser = parse::positive, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
+    /// Largest distance between an arc and the true curve, scene units [default: the scene's, else from the pixel
+    /// footprint]
     #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true)]
     arc_tolerance: Option<f64>,
 }
@@ -218,6 +236,7 @@ impl SettingArgs {
         set(self.seed, &mut settings.seed);
         set(self.exposure, &mut settings.exposure);
         set(self.filter, &mut settings.filter);
+        set(self.background, &mut settings.background);
         set(self.sampler, &mut settings.sampler);
         set(self.light_sampling, &mut settings.light_sampling);
         set(self.max_winding, &mut settings.max_winding);
@@ -244,12 +263,12 @@ pub(super) struct ShareArgs {
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     threads: usize,
     /// Rays in flight per worker
-    #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
-    batch: Option<usize>,
-    /// Planes to write beside the colours, separated by commas
-    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
-    aovs: Vec<Aov>,
-    /// Render only the pixels from X0,Y0 up to but without X1,Y1
+    #[arg(long, value_name = "N", value_parser = parse::batch, default_value_t = Run::default().batch, allow_hyphen_values = true)]
+    batch: usize,
+    /// Planes to write beside the colours, separated by commas, or all [default: none]
+    #[arg(long = "aov", value_name = "LIST", value_parser = parse::planes(), value_delimiter = ',')]
+    aovs: Vec<Planes>,
+    /// Render only the pixels from X0,Y0 up to but without X1,Y1 [default: the whole picture]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse::crop, allow_hyphen_values = true)]
     crop: Option<[usize; 4]>,
 }
@@ -260,10 +279,10 @@ pub(super) struct ShareArgs {
 pub(super) struct RunArgs {
     #[command(flatten)]
     share: ShareArgs,
-    /// Stop after this time, such as 90s, 5m or 1h30m
+    /// Stop after this time, such as 90s, 5m or 1h30m [default: none]
     #[arg(long, value_name = "TIME", value_parser = parse::duration, allow_hyphen_values = true)]
     time_limit: Option<Duration>,
-    /// Stop when the mean relative standard error of the picture falls below this
+    /// Stop when the mean relative standard error of the picture falls below this [default: none]
     #[arg(long, value_name = "X", value_parser = parse::positive, allow_hyphen_values = true)]
     noise: Option<f64>,
 }
@@ -288,9 +307,9 @@ impl ShareArgs {
         }
         Ok(Run {
             threads: self.threads,
-            batch: self.batch.unwrap_or(Run::default().batch),
+            batch: self.batch,
             crop: self.crop,
-            aovs: distinct(&self.aovs),
+            aovs: distinct(&self.aovs.iter().flat_map(|planes| planes.0.clone()).collect::<Vec<_>>()),
             ..Run::default()
         })
     }
@@ -299,6 +318,7 @@ impl ShareArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Aov;
 
     #[test]
     fn a_crop_must_lie_within_the_picture() {
@@ -310,7 +330,9 @@ mod tests {
 
     #[test]
     fn a_plane_asked_for_twice_is_written_once() {
-        let args = ShareArgs { aovs: vec![Aov::Depth, Aov::Normal, Aov::Depth], ..ShareArgs::default() };
+        let planes = |aovs: &[Aov]| Planes(aovs.to_vec());
+        let aovs = vec![planes(&[Aov::Depth, Aov::Normal]), planes(&[Aov::Depth])];
+        let args = ShareArgs { aovs, ..ShareArgs::default() };
         assert_eq!(args.resolve(1, 1).unwrap().aovs, [Aov::Depth, Aov::Normal]);
     }
 }

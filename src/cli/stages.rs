@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::units::plural;
 use crate::film::Aov;
-use crate::scene::{Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
+use crate::scene::{Background, Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
 use crate::shade::Material;
 use crate::trace::LightSummary;
 
@@ -76,10 +76,14 @@ fn capture(scene: &Baked) -> Stage {
 }
 
 fn escape(scene: &Baked) -> Stage {
-    if scene.environment.is_black() {
-        stage("escape", false, "black environment: rays that leave bring no light")
-    } else {
-        stage("escape", true, "rays that leave bring the environment's light")
+    match (scene.environment.is_black(), scene.settings.background) {
+        (true, _) => stage("escape", false, "black environment: rays that leave bring no light"),
+        (false, Background::Opaque) => stage("escape", true, "rays that leave bring the environment's light"),
+        (false, Background::Transparent) => stage(
+            "escape",
+            true,
+            "rays from surfaces bring the environment's light, the camera's bring nothing",
+        ),
     }
 }
 

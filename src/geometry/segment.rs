@@ -30,6 +30,8 @@ pub trait Segment: Copy {
     fn chord(&self) -> Chord;
     /// Point at `s`.
     fn point(&self, s: f64) -> DVec3;
+    /// Unit direction in which it ends.
+    fn heading(&self) -> DVec3;
     /// Parameter of the point that lies as far along the chord as `point`, in [0, 1].
     fn parameter_beside(&self, point: DVec3) -> f64;
     /// The segment, moved.
@@ -66,6 +68,10 @@ impl Segment for Line {
     #[inline(always)]
     fn point(&self, s: f64) -> DVec3 {
         self.p0 + s * (self.p2 - self.p0)
+    }
+
+    fn heading(&self) -> DVec3 {
+        (self.p2 - self.p0).normalize_or_zero()
     }
 
     #[inline]
@@ -112,6 +118,10 @@ impl Segment for Arc {
     #[inline(always)]
     fn point(&self, s: f64) -> DVec3 {
         Arc::point(self, s)
+    }
+
+    fn heading(&self) -> DVec3 {
+        (self.p2 - self.p1).normalize_or_zero()
     }
 
     #[inline]

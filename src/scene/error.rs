@@ -20,10 +20,14 @@ pub enum SceneError {
         source: io::Error,
     },
     /// The file's extension is not that of a scene.
-    #[error("{}: not a scene file\n   = help: a scene is a .toml, .gltf, .glb or .obj file", name(path))]
+    #[error("{}: {problem}\n   = help: {help}", name(path))]
     UnknownType {
         /// The file.
         path: PathBuf,
+        /// What it is.
+        problem: String,
+        /// How to make a scene of it.
+        help: &'static str,
     },
     /// A place in the scene file is wrong.
     #[error("{}:{place}\n   = help: {}", name(path), text::lines(help))]

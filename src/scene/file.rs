@@ -8,7 +8,7 @@ use serde::de::{self, Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::error::{Fault, suggestion};
-use super::{Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
+use super::{Background, Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
 use crate::light::Heuristic;
 
 /// A number with its place.
@@ -92,6 +92,8 @@ pub struct FilmTable {
     pub height: Option<Spanned<usize>>,
     /// Reconstruction filter.
     pub filter: Option<Filter>,
+    /// What is behind everything.
+    pub background: Option<Background>,
     /// Stops, for the preview.
     pub exposure: Option<Number>,
 }

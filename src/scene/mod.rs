@@ -10,6 +10,7 @@ mod check;
 pub mod components;
 mod error;
 mod file;
+mod foreign;
 mod light;
 mod overrides;
 mod populate;
@@ -27,7 +28,7 @@ pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
 pub use error::{Place, SceneError};
 pub use settings::{
-    Filter, LightSampling, MAX_SEGMENTS, MAX_WINDING, Precision, SamplerKind, Schedule, Settings,
+    Background, Filter, LightSampling, MAX_SEGMENTS, MAX_WINDING, Precision, SamplerKind, Schedule, Settings,
     StepperKind, flag_name,
 };
 
@@ -76,7 +77,11 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
         "gltf" | "glb" => (None, bare_scene(path, "gltf")),
         "obj" => (None, bare_scene(path, "mesh")),
         _ => {
-            return Err(SceneError::UnknownType { path: path.to_owned() });
+            let (problem, help) = match foreign::known(path) {
+                Some((what, remedy)) => (format!("{what}, not a scene file"), remedy),
+                None => ("not a scene file".to_owned(), "a scene is a .toml, .gltf, .glb or .obj file"),
+            };
+            return Err(SceneError::UnknownType { path: path.to_owned(), problem, help });
         }
     };
     let text = edited(path, text, &options.overrides)?;

@@ -14,6 +14,7 @@ use super::file::{
     RenderTable, Rotation, SceneFile, SkyName, SpacetimeName, SpacetimeTable, SphereTable, Text,
     TransformTable,
 };
+use super::foreign;
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
 use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind, bare_name};
@@ -173,6 +174,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
         width: side(film.width.as_ref(), "width", default.width)?,
         height: side(film.height.as_ref(), "height", default.height)?,
         filter: film.filter.unwrap_or(default.filter),
+        background: film.background.unwrap_or(default.background),
         exposure: film
             .exposure
             .as_ref()
@@ -344,15 +346,21 @@ fn spawn(
     Ok(())
 }
 
-/// Fails if the extension is that of the other kind of file.
+/// Fails if the extension is that of another kind of file.
 fn check_format(path: &Text, format: ModelFormat) -> Result<(), Fault> {
-    let extension = Path::new(path.get_ref()).extension().unwrap_or_default().to_ascii_lowercase();
-    let (problem, help) = match (format, extension.to_str()) {
-        (ModelFormat::Obj, Some("gltf" | "glb")) => ("`mesh` reads OBJ files", "write `gltf = ...` instead"),
-        (ModelFormat::Gltf, Some("obj")) => ("`gltf` reads glTF files", "write `mesh = ...` instead"),
-        _ => return Ok(()),
+    let file = Path::new(path.get_ref());
+    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+    let reads = match format {
+        ModelFormat::Obj => "`mesh` reads OBJ files",
+        ModelFormat::Gltf => "`gltf` reads glTF files",
     };
-    Err(Fault::at(path.span(), problem, help))
+    let fault = |problem: String, help: &str| Err(Fault::at(path.span(), problem, help));
+    match (format, extension.to_str(), foreign::known(file)) {
+        (ModelFormat::Obj, Some("gltf" | "glb"), _) => fault(reads.to_owned(), "write `gltf = ...` instead"),
+        (ModelFormat::Gltf, Some("obj"), _) => fault(reads.to_owned(), "write `mesh = ...` instead"),
+        (_, _, Some((what, remedy))) => fault(format!("{reads}, and this is {what}"), remedy),
+        _ => Ok(()),
+    }
 }
 
 /// Names a sphere, disk or light without name by its place in the file; models bring the names of their nodes.

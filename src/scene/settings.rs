@@ -14,6 +14,16 @@ pub enum Filter {
     Box,
 }
 
+/// What the camera sees where a ray of it leaves to infinity without having met a surface, lensed or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Background {
+    /// The environment, with an alpha of 1; 0 if there is none.
+    Opaque,
+    /// Nothing, with an alpha of 0; surfaces see and scatter the environment all the same.
+    Transparent,
+}
+
 /// How rays are advanced through curved space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -93,6 +103,8 @@ pub struct Settings {
     pub height: usize,
     /// Reconstruction filter.
     pub filter: Filter,
+    /// What is behind everything.
+    pub background: Background,
     /// Exposure of the PNG preview, in stops.
     pub exposure: f64,
     /// Samples per pixel.
@@ -132,6 +144,7 @@ impl Default for Settings {
             width: 640,
             height: 480,
             filter: Filter::Tent,
+            background: Background::Opaque,
             exposure: 0.0,
             spp: 64,
             max_depth: 16,

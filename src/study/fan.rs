@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow};
 use crate::geometry::{Cut, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
 use crate::scene::{Baked, SpacetimeKind};
@@ -76,6 +77,10 @@ const SLIMMEST: f64 = 0.45;
 const CHART: [f64; 2] = [880.0, 620.0];
 /// Corners of the polygon that stands for a circle.
 const CORNERS: u32 = 256;
+/// Pieces of a ray's way out of the picture.
+const PIECES: u32 = 32;
+/// Error of that way, radians.
+const PRECISION: f64 = 1e-7;
 
 impl Fan {
     /// Traces the fan.
@@ -133,11 +138,26 @@ impl Fan {
         writeln!(out, "ray,point,x,y,z,fate")?;
         for (ray, trail) in self.trails.iter().enumerate() {
             let fate = Fate::of(&trail.end).name();
-            for (point, DVec3 { x, y, z }) in drawn(trail, reach).into_iter().enumerate() {
+            for (point, DVec3 { x, y, z }) in self.drawn(trail, reach).into_iter().enumerate() {
                 writeln!(out, "{ray},{point},{x},{y},{z},{fate}")?;
             }
         }
         Ok(())
+    }
+
+    /// The points of a trail, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
+    fn drawn(&self, trail: &Trail, reach: f64) -> Vec<DVec3> {
+        let mut points = trail.points.clone();
+        if let (Outcome::Escaped(direction), Some(&last)) = (trail.end, points.last()) {
+            match &self.hole {
+                Some((center, medium)) => {
+                    let way_out = way_out(medium, last - center, trail.heading, reach);
+                    points.extend(way_out.map(|point| center + point));
+                }
+                None => points.push(last + reach * direction),
+            }
+        }
+        points
     }
 
     /// The picture.
@@ -153,8 +173,9 @@ impl Fan {
             if rays.is_empty() {
                 continue;
             }
-            let curve =
-                |trail: &&Trail| drawn(trail, frame.reach()).iter().map(|&p| self.view.place(p)).collect();
+            let curve = |trail: &&Trail| {
+                self.drawn(trail, frame.reach()).iter().map(|&p| self.view.place(p)).collect()
+            };
             series.push(Series {
                 name: format!("{} ({})", fate.name(), rays.len()),
                 style: Style::line(color(fate), 1.6),
@@ -246,13 +267,21 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// The points of a trail, and for an escaped one a point `reach` beyond the last.
-fn drawn(trail: &Trail, reach: f64) -> Vec<DVec3> {
-    let mut points = trail.points.clone();
-    if let (Outcome::Escaped(direction), Some(&last)) = (trail.end, points.last()) {
-        points.push(last + reach * direction);
-    }
-    points
+/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative to
+/// the hole.
+fn way_out(medium: &Schwarzschild, start: DVec3, heading: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
+    let launch = Launch::new(medium, start, heading, f64::EPSILON);
+    let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);
+    let control = Control::new(medium, PRECISION, f64::INFINITY);
+    (1..=PIECES).filter_map(move |piece| {
+        let part = f64::from(piece) / f64::from(PIECES);
+        // Close together at first: what a ray still bends goes with 1/ρ, and of that little changes near a periastron.
+        let w = launch.w + part * part * (1.0 / reach - launch.w);
+        match follow(medium, &Rkn6, &control, ray, w, |_| {}).end {
+            End::Crosses(phase, swept) => Some(launch.position(phase.w, swept)),
+            _ => None,
+        }
+    })
 }
 
 /// A circle between two angles either side of `middle`, as a polygon.

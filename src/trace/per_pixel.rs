@@ -113,7 +113,7 @@ fn trace_path<T: Transport>(
                 Fate::NonFinite
             }
         };
-        record_end(&path, fate, samples);
+        record_end(job, &path, fate, samples);
         break;
     }
     samples.radiance[path.slot as usize] = path.radiance;

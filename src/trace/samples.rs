@@ -56,7 +56,7 @@ pub struct FirstHit {
 pub struct Samples {
     /// Radiance of each path.
     pub radiance: Vec<Vec3>,
-    /// Whether its camera ray ended on something.
+    /// Whether its camera ray hides what a compositor puts behind the picture.
     pub covered: Vec<bool>,
     /// What its camera ray met; empty unless wanted.
     pub first: Vec<FirstHit>,

@@ -14,8 +14,10 @@ use crate::scene::{Baked, StepperKind};
 /// A ray's path and its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
-    /// World points from the start to the end; an escaped ray goes on beyond the last, in its direction at infinity.
+    /// World points from the start to the end, or to where nothing more can be met.
     pub points: Vec<DVec3>,
+    /// Unit direction of travel at the last of them.
+    pub heading: DVec3,
     /// How it ended; never flying.
     pub end: Outcome<Infallible>,
 }
@@ -47,15 +49,16 @@ impl Errand for Trailing<'_> {
 }
 
 fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
-    let mut points = vec![ray.position];
+    let (mut points, mut heading) = (vec![ray.position], ray.direction);
     let shot = follow(transport, geometry, ray, |flight, step, found, landing| {
         // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
         let taken = landing.is_some() || found.is_none();
         if let Some(course) = transport.course(flight, step).filter(|_| taken) {
             extend(&mut points, &course, landing.map(|landing| landing.position));
+            heading = landing.map_or(course.heading(), |landing| landing.direction);
         }
     });
-    Trail { points, end: shot.end }
+    Trail { points, heading, end: shot.end }
 }
 
 /// Adds the points of `course` after its start, up to `landing` if given; none that is not finite.

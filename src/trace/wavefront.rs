@@ -238,12 +238,12 @@ impl<T: Transport> Wavefront<T> {
             let mut path = self.paths.get(lane);
             let vertex = if job.illumination.is_some() { self.vertices.get(lane) } else { Vertex::default() };
             escape(job, &mut path, &vertex, direction);
-            record_end(&path, Fate::Escaped, samples);
+            record_end(job, &path, Fate::Escaped, samples);
             self.paths.set(lane, path);
             self.events.finished.push(lane);
         }
         for (lane, fate) in self.events.ended.drain(..) {
-            record_end(&self.paths.get(lane), fate, samples);
+            record_end(job, &self.paths.get(lane), fate, samples);
             self.events.finished.push(lane);
         }
     }

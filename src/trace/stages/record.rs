@@ -6,6 +6,7 @@ use super::super::samples::{FirstHit, Samples};
 use super::super::transport::Landing;
 use super::super::work::Job;
 use crate::geometry::SurfacePoint;
+use crate::scene::Background;
 
 /// Records the surface that a camera ray lands on; later rays are not recorded.
 #[inline]
@@ -26,11 +27,12 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
 
 /// Records how a camera ray ended that meets nothing.
 #[inline]
-pub fn record_end(path: &Path, fate: Fate, samples: &mut Samples) {
+pub fn record_end(job: &Job, path: &Path, fate: Fate, samples: &mut Samples) {
     if path.depth > 1 {
         return;
     }
-    samples.covered[path.slot as usize] = fate != Fate::Escaped;
+    let is_backed = job.settings.background == Background::Opaque && !job.scene.environment.is_black();
+    samples.covered[path.slot as usize] = fate != Fate::Escaped || is_backed;
     if samples.wanted().first_hit {
         samples.first[path.slot as usize].fate = fate;
     }
