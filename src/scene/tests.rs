@@ -210,7 +210,7 @@ fn model_of(nodes: serde_json::Value) -> String {
         "asset": { "version": "2.0" },
         "scenes": [{ "nodes": roots }],
         "nodes": nodes,
-        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0471975, "znear": 0.1, "aspectRatio": 0.5 } }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": std::f32::consts::FRAC_PI_3, "znear": 0.1, "aspectRatio": 0.5 } }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
         "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
         "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
