@@ -7,11 +7,11 @@ macro_rules! below {
             "Examples:\n",
             $("  warpfront ", $example, "\n",)*
             "\nExit codes:\n",
-            "  0         what was asked for is there\n",
-            "  1         something was lost and --strict minds, pixels are without a sample,\n",
-            "            or pictures differ by more than a flag allows\n",
-            "  2         bad input\n",
-            "  130, 143  ended by Ctrl-C (SIGINT) or SIGTERM"
+            "  0        what was asked for is there\n",
+            "  1        something was lost and --strict minds, pixels are without a sample,\n",
+            "           or pictures differ by more than a flag allows\n",
+            "  2        bad input\n",
+            "  128 + N  ended by signal N: 130 by Ctrl-C (SIGINT), 143 by SIGTERM"
         )
     };
 }

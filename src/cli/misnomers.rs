@@ -25,7 +25,7 @@ const fn nothing(advice: &'static str, names: &'static str) -> Misnomer {
     Misnomer { names, flag: None, advice }
 }
 
-/// In each, the longest lists first that others are likely to use.
+/// The first that fits a subcommand counts.
 const MISNOMERS: &[Misnomer] = &[
     does(
         "spp",
