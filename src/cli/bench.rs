@@ -6,7 +6,7 @@ use super::bench_args::BenchArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::prefixed::{Files, names, with_suffix};
-use super::progress::Bar;
+use super::progress::Meter;
 use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, print, say};
@@ -25,6 +25,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
         Ok((Files::open(prefix)?, Output::create(&with_suffix(prefix, "json"))?))
     });
     let outputs = outputs.transpose()?;
+    let meter = Meter::new(args.meter.progress, format!("loading {}", args.scene.path.display()), "renders");
     let (path, changes) = (&args.scene.path, &args.scene.changes);
     let mut scene = scene::load_with(path, &changes.options())?;
     for warning in &scene.warnings {
@@ -33,10 +34,10 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     args.apply(&mut scene.settings);
     let (scenes, plan) = plan(args, scene)?;
 
-    let bar = Bar::new("renders");
-    let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
+    meter.enter("rendering");
+    let progress = |done, total| meter.update(Progress { done: done as u64, total: total as u64 });
     let measured = race(scenes, &plan, &progress);
-    bar.finish();
+    meter.finish();
     let races = measured?;
     print(&format!("{}\n\n{}", conditions(args, &plan, &races), table(args, &races)))?;
     if let (Some((files, json)), Some(prefix)) = (outputs, &args.output) {

@@ -71,7 +71,7 @@ pub(super) struct OutputArgs {
 #[command(next_help_heading = "Picture")]
 pub(super) struct SettingArgs {
     /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true)]
     spp: Option<u32>,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]
