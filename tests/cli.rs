@@ -532,16 +532,13 @@ fn no_preview_is_written_when_none_is_wanted() {
     assert_eq!(place.files(), ["out.exr"]);
 }
 
-/// Starts a render that takes minutes, and waits until it has opened its output and is at work.
+/// Starts a render that takes minutes, and waits until it is at work.
 #[cfg(unix)]
 fn long_render(place: &Place) -> std::process::Child {
     let flags = ["--no-png", "--threads", "1", "--size", "512x512", "--spp", "60000"];
     let mut command = place.command(&[&["render", "scene.toml", "-o", "out.exr"], &flags[..]].concat());
     let child = command.stderr(Stdio::piped()).spawn().unwrap();
-    while place.files().is_empty() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    std::thread::sleep(std::time::Duration::from_secs(3));
     child
 }
 
@@ -558,7 +555,8 @@ fn an_interrupted_render_writes_what_it_has_and_says_how_much_that_is() {
     let child = long_render(&place);
     interrupt(&child);
     let output = child.wait_with_output().unwrap();
-    assert_good(&output);
+    // Shells make 130 of it.
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(2));
     assert!(stderr(&output).contains("of 60000 samples"), "{}", stderr(&output));
     assert_eq!(place.files(), ["out.exr"]);
 }

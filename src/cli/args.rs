@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use super::bench_args::BenchArgs;
 use super::help;
 use super::parse;
+use super::progress::ProgressArgs;
 use super::quality::Quality;
 use super::rays_table::Spacetime;
 use super::shared_args::{
@@ -82,6 +83,8 @@ pub(super) struct RenderArgs {
     pub(super) settings: SettingArgs,
     #[command(flatten)]
     pub(super) run: RunArgs,
+    #[command(flatten)]
+    pub(super) meter: ProgressArgs,
     /// Exit with 1 if anything was lost: rays, parts of the scene, or samples through an interruption
     #[arg(long)]
     pub(super) strict: bool,
@@ -212,7 +215,7 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true, conflicts_with = "rays")]
     pub(super) size: (usize, usize),
     /// Samples per pixel where the speed of whole paths is measured
-    #[arg(long, value_name = "N", value_parser = parse::count, default_value = "4", allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
+    #[arg(long, value_name = "N", value_parser = parse::samples, default_value = "4", allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
     pub(super) spp: u32,
     /// Compares ways to look for lights, separated by commas, instead of steppers [default: none]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
@@ -221,7 +224,7 @@ pub(super) struct StudyArgs {
     #[arg(
         long,
         value_name = "LIST",
-        value_parser = parse::count,
+        value_parser = parse::samples,
         value_delimiter = ',',
         allow_hyphen_values = true,
         requires = "light_sampling"
@@ -229,7 +232,7 @@ pub(super) struct StudyArgs {
     pub(super) spps: Vec<u32>,
     /// Samples per pixel of the reference of --light-sampling, which is rendered along geodesics [default: 16 times the
     /// largest of --spps]
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true, requires = "light_sampling")]
+    #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true, requires = "light_sampling")]
     pub(super) reference_spp: Option<u32>,
     /// Picture that is the reference of --light-sampling; its noise is known if it has variances
     /// [default: one is rendered]
@@ -241,6 +244,8 @@ pub(super) struct StudyArgs {
     /// Worker threads; 0 means one per core
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     pub(super) threads: usize,
+    #[command(flatten)]
+    pub(super) meter: ProgressArgs,
 }
 
 /// Arguments of `trace`.
@@ -270,6 +275,8 @@ pub(super) struct TraceArgs {
     /// Worker threads; 0 means one per core
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     pub(super) threads: usize,
+    #[command(flatten)]
+    pub(super) meter: ProgressArgs,
     /// Exit with 1 if a ray was lost: out of steps, or to numbers that are not finite
     #[arg(long)]
     pub(super) strict: bool,
@@ -304,6 +311,8 @@ pub(super) struct ConnectArgs {
     /// Worker threads; 0 means one per core
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     pub(super) threads: usize,
+    #[command(flatten)]
+    pub(super) meter: ProgressArgs,
     /// Exit with 1 if rounding hides a ray
     #[arg(long)]
     pub(super) strict: bool,

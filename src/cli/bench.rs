@@ -6,7 +6,7 @@ use super::bench_args::BenchArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::prefixed::{Files, names, with_suffix};
-use super::progress::Bar;
+use super::progress::Meter;
 use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, overwrite, print, say, say_warnings};
@@ -26,6 +26,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     });
     let outputs = outputs.transpose()?;
     let path = &args.scene.path;
+    let meter = Meter::new(args.meter.progress, format!("loading {}", path.display()), "renders");
     let options = args.scene.options()?;
     let mut scene = scene::load_with(path, &options)?;
     if let Some((files, json)) = &outputs {
@@ -35,10 +36,10 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     args.apply(&mut scene.settings);
     let (scenes, plan) = plan(args, scene)?;
 
-    let bar = Bar::new("renders");
-    let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
+    meter.enter("rendering");
+    let progress = |done, total| meter.update(Progress { done: done as u64, total: total as u64 });
     let measured = race(scenes, &plan, &progress);
-    bar.finish();
+    meter.finish();
     let races = measured?;
     print(&format!("{}\n\n{}", conditions(args, &plan, &races), table(args, &races)))?;
     if let (Some((files, json)), Some(prefix)) = (outputs, &args.output) {

@@ -7,6 +7,7 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use super::failure::Failure;
 use super::parse;
+use super::progress::ProgressArgs;
 use super::shared_args::{AccuracyArgs, SceneArgs, set};
 use crate::scene::{LightSampling, Settings, flag_name};
 use crate::study::bench::{Contender, Vary};
@@ -36,7 +37,7 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "320x240", allow_hyphen_values = true)]
     size: (usize, usize),
     /// Samples per pixel [default: 4]
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true)]
     spp: Option<u32>,
     /// Most ray segments in a path, the camera's included [default: the scene's, else 16]
     #[arg(long, value_name = "N", value_parser = parse::segments, allow_hyphen_values = true)]
@@ -52,6 +53,8 @@ pub(super) struct BenchArgs {
     /// Rays in flight per worker [default: 1024]
     #[arg(long, value_name = "N", value_parser = parse::batch, allow_hyphen_values = true)]
     batch: Option<usize>,
+    #[command(flatten)]
+    pub(super) meter: ProgressArgs,
 }
 
 /// Samples per pixel.

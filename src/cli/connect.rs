@@ -43,8 +43,12 @@ pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
     let started = Instant::now();
     let mut table = Table::open(&args.pairs, "pair of points")?;
     let mut job = Job::new(&table.header, args.max_winding)?;
-    let setup =
-        Setup { input: (&args.pairs, "pairs"), output: args.output.as_deref(), threads: args.threads };
+    let setup = Setup {
+        input: (&args.pairs, "pairs"),
+        output: args.output.as_deref(),
+        threads: args.threads,
+        progress: args.meter.progress,
+    };
     let Some(wrote) = setup.run(&mut table, &mut job)? else { return Ok(Outcome::Good) };
     let seconds = started.elapsed().as_secs_f64();
     let Counts { pairs, connections, hidden } = job.counts;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::args::StudyArgs;
 use super::failure::Failure;
 use super::prefixed::{Files, names};
-use super::progress::Bar;
+use super::progress::Meter;
 use super::shared_args::distinct;
 use super::units::plural;
 use super::{Outcome, print, say};
@@ -38,9 +38,9 @@ pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> 
         None => Source::Rendered(args.reference_spp.unwrap_or(largest.saturating_mul(REFERENCE))),
     };
 
-    let bar = Bar::new("paths");
-    let measured = sweep(scene, &plan, source, &|progress| bar.update(progress));
-    bar.finish();
+    let meter = Meter::new(args.meter.progress, "learning of lights", "paths");
+    let measured = sweep(scene, &plan, source, &|progress| meter.update(progress));
+    meter.finish();
     let ways = measured?;
     files.write(|out| report::lights::write_csv(&ways, out), &report::lights::figure(&ways))?;
     print(&report::lights::table(&ways))?;

@@ -52,11 +52,13 @@ enum Outcome {
     Good,
     /// Something was lost, and `--strict` was given.
     Lost,
+    /// Some pixels have no sample.
+    Incomplete,
     /// Pictures differ by more than a flag allows.
     Differ,
 }
 
-/// Runs the command line; 0 good, 1 something was lost or differs and a flag minds, 2 bad input.
+/// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -68,7 +70,7 @@ pub fn main() -> ExitCode {
     };
     match run(&cli) {
         Ok(Outcome::Good) => ExitCode::SUCCESS,
-        Ok(Outcome::Lost | Outcome::Differ) => ExitCode::from(1),
+        Ok(Outcome::Lost | Outcome::Incomplete | Outcome::Differ) => ExitCode::from(1),
         Err(failure) => {
             say(failure);
             ExitCode::from(2)

@@ -11,7 +11,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::film::Aov;
-use crate::scene::{MAX_SEGMENTS, MAX_WINDING};
+use crate::scene::{MAX_SEGMENTS, MAX_SPP, MAX_WINDING};
 
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
@@ -28,6 +28,11 @@ fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
 /// A count that fits in 32 bits, at least 1.
 pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1..=u64::from(u32::MAX)).map(|number| number as u32)
+}
+
+/// A number of samples per pixel.
+pub(super) fn samples(text: &str) -> Result<u32, String> {
+    whole(text, 1..=u64::from(MAX_SPP)).map(|number| number as u32)
 }
 
 /// A number of ray segments in a path.

@@ -4,7 +4,7 @@ use super::args::RenderArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::Outputs;
-use super::progress::Bar;
+use super::progress::Meter;
 use super::{Outcome, memory, overwrite, say, say_warnings, summary};
 use crate::{scene, trace};
 
@@ -12,6 +12,7 @@ use crate::{scene, trace};
 pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install();
     let outputs = Outputs::open(&args.output, &args.scene.path)?;
+    let meter = Meter::new(args.meter.progress, format!("loading {}", args.scene.path.display()), "paths");
     let options = args.scene.options()?;
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.opened())?;
@@ -20,17 +21,36 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     memory::check(&scene.settings, &run, &options.files.memory())?;
     say_warnings(&scene.warnings);
 
-    let bar = Bar::new("paths");
-    interrupt.render_begins();
-    let rendered = trace::render(&scene, &run, interrupt.flag(), &|progress| bar.update(progress));
-    bar.finish();
-
     let asked_spp = scene.settings.spp;
+    meter.render(asked_spp, run.time_limit);
+    let rendered = trace::render(&scene, &run, interrupt.flag(), &|progress| {
+        meter.update(progress);
+        if progress.done > 0 {
+            interrupt.has_picture();
+        }
+    });
+    meter.finish();
+
+    if rendered.unsampled == rendered.pixels() {
+        say(no_sample());
+        return Ok(Outcome::Incomplete);
+    }
     let losses = summary::losses(&rendered, asked_spp, interrupt.happened());
     losses.iter().for_each(|loss| say(format!("warning: {loss}")));
     let names = outputs.names();
     outputs.write(&rendered, &scene.settings, &args.scene.path)?;
     say(format!("{}; wrote {names}", summary::line(&rendered, asked_spp)));
+    interrupt.resume();
     let complete = losses.is_empty() && scene.warnings.is_empty();
-    Ok(if args.strict && !complete { Outcome::Lost } else { Outcome::Good })
+    Ok(match rendered.unsampled {
+        0 if args.strict && !complete => Outcome::Lost,
+        0 => Outcome::Good,
+        _ => Outcome::Incomplete,
+    })
+}
+
+/// What is said of a picture that is worth nothing.
+fn no_sample() -> Failure {
+    Failure::new("the time limit was over before any pixel had a sample: nothing is written")
+        .help("give a longer --time-limit, a smaller --max-depth or coarser tolerances")
 }

@@ -9,7 +9,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::failure::Failure;
 use super::outputs::same_file;
-use super::progress::Bar;
+use super::progress::{Meter, Show};
 use super::table::Table;
 use crate::film::atomic::Output;
 
@@ -49,6 +49,8 @@ pub(super) struct Setup<'a> {
     pub(super) output: Option<&'a Path>,
     /// 0 means one per core.
     pub(super) threads: usize,
+    /// How progress is shown.
+    pub(super) progress: Show,
 }
 
 impl Setup<'_> {
@@ -83,11 +85,11 @@ impl Setup<'_> {
         job: &mut impl RowWise,
         out: impl Write,
     ) -> io::Result<Result<(), Failure>> {
-        let bar = Bar::new("bytes");
+        let meter = Meter::new(self.progress, "reading", "bytes");
         // Without a pool of its own the command shares rayon's.
         let pool = ThreadPoolBuilder::new().num_threads(self.threads).build().ok();
-        let done = chunks(table, job, out, pool.as_ref(), &bar);
-        bar.finish();
+        let done = chunks(table, job, out, pool.as_ref(), &meter);
+        meter.finish();
         done
     }
 }
@@ -97,7 +99,7 @@ fn chunks(
     job: &mut impl RowWise,
     mut out: impl Write,
     pool: Option<&ThreadPool>,
-    bar: &Bar,
+    meter: &Meter,
 ) -> io::Result<Result<(), Failure>> {
     writeln!(out, "# warpfront {} {}", env!("CARGO_PKG_VERSION"), job.settings())?;
     let mut writer = csv::Writer::from_writer(out);
@@ -125,7 +127,7 @@ fn chunks(
                 Err(failure) => return Ok(Err(failure)),
             }
         }
-        bar.update(table.progress());
+        meter.update(table.progress());
     }
     writer.flush()?;
     Ok(Ok(()))

@@ -133,7 +133,7 @@ impl OutputArgs {
 #[command(next_help_heading = "Picture")]
 pub(super) struct SettingArgs {
     /// Samples per pixel [default: the scene's, else 64]
-    #[arg(long, value_name = "N", value_parser = parse::count, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true)]
     spp: Option<u32>,
     /// Size of the picture in pixels [default: the scene's, else 640x480]
     #[arg(long, value_name = "WxH", value_parser = parse::size, allow_hyphen_values = true)]

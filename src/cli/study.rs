@@ -12,7 +12,7 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::light_study;
 use super::prefixed::{Files, names};
-use super::progress::Bar;
+use super::progress::Meter;
 use super::rays_table::Columns;
 use super::shared_args::distinct;
 use super::table::{Table, line};
@@ -65,10 +65,10 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
     some(&settings)?;
     let plan = Plan { settings, rounds: args.rounds, spp: args.spp, threads: args.threads };
 
-    let bar = Bar::new("runs");
-    let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
+    let meter = Meter::new(args.meter.progress, "following rays", "runs");
+    let progress = |done, total| meter.update(Progress { done: done as u64, total: total as u64 });
     let measurements = sweep(scene, &plan, &progress);
-    bar.finish();
+    meter.finish();
     files.write(|out| report::scene::write_csv(&measurements, out), &report::scene::figure(&measurements))?;
     print(&report::scene::table(&measurements))?;
     say(format!("{}; wrote {}", plural(measurements.len(), "setting", "settings"), names(&args.output)));
@@ -119,10 +119,10 @@ fn free(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure>
     }
 
     let plan = ends::Plan { settings, rounds: args.rounds, threads: args.threads };
-    let bar = Bar::new("runs");
-    let progress = |done, total| bar.update(Progress { done: done as u64, total: total as u64 });
+    let meter = Meter::new(args.meter.progress, "following rays", "runs");
+    let progress = |done, total| meter.update(Progress { done: done as u64, total: total as u64 });
     let measured = ends::sweep(&cases, &plan, &progress);
-    bar.finish();
+    meter.finish();
     let measurements = measured.map_err(|refusal| columns.refuse(lines[refusal.index], &refusal.fault))?;
     files.write(|out| report::ends::write_csv(&measurements, out), &report::ends::figure(&measurements))?;
     print(&report::ends::table(&measurements))?;

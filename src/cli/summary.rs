@@ -5,7 +5,7 @@ use crate::trace::{Fates, Rendered};
 
 /// Size, samples, time and speed, on one line.
 pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
-    let Rendered { image, spp, stats } = rendered;
+    let Rendered { image, spp, stats, .. } = rendered;
     let mut parts = vec![format!("{}x{}", image.size.0, image.size.1)];
     if image.size != (image.width, image.height) {
         parts.push(format!("cropped from {}x{}", image.width, image.height));
@@ -28,9 +28,12 @@ pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
 pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> Vec<String> {
     let Fates { step_limit, non_finite, .. } = rendered.stats.counters.fates;
     let mut losses = Vec::new();
-    if interrupted {
-        let left = if rendered.spp == 0 { "; some pixels may be black" } else { "" };
-        losses.push(format!("interrupted: every pixel holds {} of {asked_spp} samples{left}", rendered.spp));
+    if rendered.unsampled > 0 {
+        let why = if interrupted { "interrupted" } else { "the time limit was over" };
+        let (without, all) = (rendered.unsampled, rendered.pixels());
+        losses.push(format!("{why}: {without} of {all} pixels have no sample and are black"));
+    } else if interrupted && rendered.spp < asked_spp {
+        losses.push(format!("interrupted: every pixel holds {} of {asked_spp} samples", rendered.spp));
     }
     if step_limit > 0 {
         losses.push(format!("{} lost at the step limit", rays(step_limit, rendered.stats.counters.rays)));
@@ -66,7 +69,7 @@ mod tests {
         };
         let counters = Counters { paths: 3_000_000, rays: 8_000_000, fates, ..Counters::default() };
         let stats = Stats { seconds: 2.0, counters, ..Stats::default() };
-        Rendered { image, spp: 8, stats }
+        Rendered { image, spp: 8, unsampled: 0, stats }
     }
 
     #[test]
@@ -90,5 +93,13 @@ mod tests {
         assert_eq!(losses[0], "interrupted: every pixel holds 8 of 64 samples");
         assert_eq!(losses[1], "1 ray of 8000000 (1.25e-5 %) lost at the step limit");
         assert!(losses[2].starts_with("80 rays of 8000000"));
+    }
+
+    #[test]
+    fn pixels_without_samples_are_counted_whatever_ended_the_render() {
+        let picture = Rendered { spp: 0, unsampled: 5, ..rendered(Fates::default()) };
+        let of = |interrupted| losses(&picture, 64, interrupted).join("|");
+        assert_eq!(of(false), "the time limit was over: 5 of 16 pixels have no sample and are black");
+        assert_eq!(of(true), "interrupted: 5 of 16 pixels have no sample and are black");
     }
 }

@@ -33,7 +33,9 @@ pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
     let mut table = Table::open(&args.rays, "ray")?;
     let columns = Columns::find(&table.header, args.spacetime)?;
     let mut job = Job { columns, accuracy, tally: Tally::default() };
-    let setup = Setup { input: (&args.rays, "rays"), output: args.output.as_deref(), threads: args.threads };
+    let progress = args.meter.progress;
+    let (input, output, threads) = ((args.rays.as_path(), "rays"), args.output.as_deref(), args.threads);
+    let setup = Setup { input, output, threads, progress };
     let Some(wrote) = setup.run(&mut table, &mut job)? else { return Ok(Outcome::Good) };
     say(format!("{}{wrote}", job.tally.line(started.elapsed().as_secs_f64())));
     Ok(if args.strict && job.tally.lost() > 0 { Outcome::Lost } else { Outcome::Good })

@@ -1,17 +1,22 @@
 //! Output files that appear whole or not at all.
 //!
-//! An [`Output`] is opened before the work starts, so that a folder that cannot be written to is found at once, and
-//! committed after it. Until then the bytes live in a temporary file beside the target, which goes away with the
-//! `Output`, or with the process if that ends through [`exit`].
+//! An [`Output`] is asked for before the work starts, so that a folder that cannot be written to is found at once, and
+//! committed after it. Only then are there bytes, in a temporary file beside the target, which goes away with the process
+//! if that calls [`abandon`] before it ends. What a process leaves that is killed while it writes, the next removes: a temporary
+//! file is locked as long as its process lives.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::process;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
+
+/// Name of a temporary file, around what makes it unique.
+const NAME: (&str, &str) = (".warpfront-", ".tmp");
+/// Temporary files made at most until one is not taken for a stale one.
+const ATTEMPTS: u32 = 100;
 
 /// Temporary files that now exist.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -20,15 +25,14 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ends the process at once, from any thread, and removes unfinished output files first.
-pub fn exit(code: i32) -> ! {
-    // Held to the end, so that no other thread opens or finishes a file in between.
+/// Removes unfinished output files, before the process ends; while what it gives is held, no thread begins or finishes one.
+pub fn abandon() -> impl Sized {
     let unfinished = unfinished();
     for path in unfinished.iter() {
         // Nothing can be done about a file that cannot be removed, and nobody is left to tell.
         let _ = fs::remove_file(path);
     }
-    process::exit(code)
+    unfinished
 }
 
 /// Why a file could not be written.
@@ -47,11 +51,10 @@ pub struct OutputError {
 pub struct Output {
     path: PathBuf,
     target: PathBuf,
-    temporary: Option<NamedTempFile>,
 }
 
 impl Output {
-    /// Opens a temporary file beside `path`; nothing that is there already is changed.
+    /// An output at `path`, where a file may be written; nothing that is there already is changed.
     ///
     /// A symbolic link is followed: the file that it points to is the one that will be replaced.
     ///
@@ -77,10 +80,9 @@ impl Output {
             _ => {}
         }
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let mut unfinished = unfinished();
-        let temporary = temporary_beside(&target).map_err(|error| explain(path, &error))?;
-        unfinished.insert(temporary.path().to_owned());
-        Ok(Self { path: path.to_owned(), target, temporary: Some(temporary) })
+        // Has no name, or not for long: a process that is killed leaves nothing.
+        tempfile::tempfile_in(folder_of(&target)).map_err(|error| explain(path, &error))?;
+        Ok(Self { path: path.to_owned(), target })
     }
 
     /// The file, as the caller named it.
@@ -93,42 +95,80 @@ impl Output {
     /// # Errors
     /// What `write` reports, or the file system; the target is then as it was before.
     pub fn commit(
-        mut self,
+        self,
         write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
     ) -> Result<(), OutputError> {
-        let Some(temporary) = self.temporary.take() else {
-            return Ok(());
-        };
-        let name = temporary.path().to_owned();
-        let mut buffer = BufWriter::with_capacity(1 << 18, temporary.as_file());
-        let written = write(&mut buffer).and_then(|()| buffer.flush());
-        // What could not be flushed is lost anyway; dropping the buffer would try again.
-        let _ = buffer.into_parts();
-        let mut unfinished = unfinished();
-        let persisted =
-            written.and_then(|()| temporary.persist(&self.target).map(drop).map_err(|error| error.error));
-        unfinished.remove(&name);
-        persisted.map_err(|error| explain(&self.path, &error))
+        replace(&self.target, write).map_err(|error| explain(&self.path, &error))
     }
 }
 
-impl Drop for Output {
-    fn drop(&mut self) {
-        if let Some(temporary) = self.temporary.take() {
-            let mut unfinished = unfinished();
-            unfinished.remove(temporary.path());
-            // Removed while the list is locked, as everywhere else.
+/// Puts a file that `write` fills in the place of `target`, safely on its disk: else the machine may go down with neither
+/// the new file nor the old one there.
+fn replace(target: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let folder = folder_of(target);
+    remove_stale(folder);
+    let temporary = temporary_beside(target)?;
+    let written = fill(temporary.as_file(), write);
+    let mut unfinished = unfinished();
+    unfinished.remove(temporary.path());
+    match written {
+        Ok(()) => temporary.persist(target).map_err(|error| error.error)?,
+        Err(error) => {
+            // While the list is locked, as everywhere else.
             drop(temporary);
+            return Err(error);
         }
-    }
+    };
+    // Not every file system can, and the file is in place.
+    #[cfg(unix)]
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    Ok(())
 }
 
+fn fill(file: &File, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let mut buffer = BufWriter::with_capacity(1 << 18, file);
+    let written = write(&mut buffer).and_then(|()| buffer.flush());
+    // What could not be flushed is lost anyway; dropping the buffer would try again.
+    let _ = buffer.into_parts();
+    written?;
+    file.sync_all()
+}
+
+/// A locked file that is known to be unfinished.
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
-    builder.prefix(".warpfront-").suffix(".tmp");
+    builder.prefix(NAME.0).suffix(NAME.1);
     #[cfg(unix)]
     builder.permissions(permissions(target));
-    builder.tempfile_in(folder_of(target))
+    let mut unfinished = unfinished();
+    for _ in 0..ATTEMPTS {
+        let temporary = builder.tempfile_in(folder_of(target))?;
+        // Before it was locked, another process may have taken it for a stale one. Where files cannot be locked, none are.
+        let is_taken = matches!(temporary.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !is_taken && temporary.path().exists() {
+            unfinished.insert(temporary.path().to_owned());
+            return Ok(temporary);
+        }
+    }
+    Err(io::Error::other("temporary files do not last"))
+}
+
+/// Removes what killed processes left in `folder`: temporary files that nobody has locked.
+fn remove_stale(folder: &Path) {
+    let remove = |path: &Path| {
+        let file = File::options().write(true).open(path)?;
+        file.try_lock()?;
+        fs::remove_file(path)
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_ours = name.starts_with(NAME.0) && name.ends_with(NAME.1);
+        if is_ours && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            // Whoever owns it may still write it, or may not want it removed.
+            let _ = remove(&entry.path());
+        }
+    }
 }
 
 /// Those of the file to be replaced; for a new one those of any new file, not the private ones of a temporary file.
@@ -213,12 +253,37 @@ mod tests {
     }
 
     #[test]
-    fn an_output_that_is_dropped_leaves_nothing() {
+    fn an_output_that_is_not_written_yet_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let output = Output::create(&folder.path().join("out.txt")).unwrap();
-        assert_eq!(names(folder.path()).len(), 1);
-        drop(output);
+        let _output = Output::create(&folder.path().join("out.txt")).unwrap();
         assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_removed_and_what_another_writes_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let there = [".warpfront-stale.tmp", ".warpfront-busy.tmp", "warpfront.tmp"];
+        there.iter().for_each(|name| fs::write(folder.path().join(name), "part").unwrap());
+        let busy = File::options().write(true).open(folder.path().join(there[1])).unwrap();
+        busy.lock().unwrap();
+        Output::create(&folder.path().join("out")).unwrap().commit(|_| Ok(())).unwrap();
+        assert_eq!(names(folder.path()), [there[1], "out", there[2]]);
+    }
+
+    #[test]
+    fn outputs_that_are_written_at_once_do_not_disturb_each_other() {
+        let folder = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for thread in 0..4 {
+                let path = folder.path().join(format!("{thread}.txt"));
+                scope.spawn(move || {
+                    for _ in 0..20 {
+                        Output::create(&path).unwrap().commit(|out| out.write_all(b"whole")).unwrap();
+                    }
+                });
+            }
+        });
+        assert_eq!(names(folder.path()), ["0.txt", "1.txt", "2.txt", "3.txt"]);
     }
 
     #[test]

@@ -103,7 +103,7 @@ pub struct FilmTable {
 #[serde(deny_unknown_fields)]
 pub struct RenderTable {
     /// Samples per pixel.
-    pub spp: Option<Spanned<u32>>,
+    pub spp: Option<Spanned<u64>>,
     /// Most segments of a path.
     pub max_depth: Option<Spanned<u32>>,
     /// Segments before Russian roulette.

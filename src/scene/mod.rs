@@ -28,8 +28,8 @@ pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
 pub use error::{Place, SceneError};
 pub use settings::{
-    Background, Filter, LightSampling, MAX_SEGMENTS, MAX_WINDING, Precision, SamplerKind, Schedule, Settings,
-    StepperKind, flag_name,
+    Background, Filter, LightSampling, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Precision, SamplerKind, Schedule,
+    Settings, StepperKind, flag_name,
 };
 
 use crate::asset::{Files, Memory};
@@ -138,14 +138,13 @@ fn check_memory(world: &World, memory: &Memory) -> Result<(), Fault> {
 }
 
 fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(), Fault> {
-    let center = DVec3::new(x, y, z);
-    if !(center.is_finite() && radius.is_finite() && radius >= 0.0) {
+    if ![x, y, z, radius].iter().all(|number| number.abs() <= check::LARGEST) || radius < 0.0 {
         return Err(Fault::whole(
             format!("the black hole {x},{y},{z},{radius} is not usable"),
-            "give finite numbers X,Y,Z,RS with RS at least 0",
+            format!("give numbers X,Y,Z,RS of at most {:e}, and RS at least 0", check::LARGEST),
         ));
     }
-    world.spacetime = populate::black_hole(center, radius);
+    world.spacetime = populate::black_hole(DVec3::new(x, y, z), radius);
     Ok(())
 }
 

@@ -17,7 +17,7 @@ use super::file::{
 use super::foreign;
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, MAX_SEGMENTS, MAX_WINDING, Settings, SpacetimeKind, bare_name};
+use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, SpacetimeKind, bare_name};
 use crate::asset::{Files, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
@@ -179,7 +179,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
             .exposure
             .as_ref()
             .map_or(Ok(default.exposure), |stops| check::finite(stops, "exposure"))?,
-        spp: at_least_one(render.spp.as_ref(), "spp", default.spp)?,
+        spp: samples(render.spp.as_ref(), default.spp)?,
         max_depth: segments(render.max_depth.as_ref(), default.max_depth)?,
         roulette_depth: render.roulette_depth.unwrap_or(default.roulette_depth),
         seed: render.seed.unwrap_or(default.seed),
@@ -245,12 +245,13 @@ fn segments(count: Option<&Spanned<u32>>, default: u32) -> Result<u32, Fault> {
     }
 }
 
-fn at_least_one(count: Option<&Spanned<u32>>, what: &str, default: u32) -> Result<u32, Fault> {
-    match count.map(|count| (*count.get_ref(), count.span())) {
-        None => Ok(default),
-        Some((0, span)) => Err(Fault::at(span, format!("{what} must be at least 1"), "write 1 or more")),
-        Some((count, _)) => Ok(count),
-    }
+fn samples(count: Option<&Spanned<u64>>, default: u32) -> Result<u32, Fault> {
+    let Some(count) = count else { return Ok(default) };
+    let samples = u32::try_from(*count.get_ref()).ok().filter(|samples| (1..=MAX_SPP).contains(samples));
+    samples.ok_or_else(|| {
+        let problem = format!("spp must be between 1 and {MAX_SPP}, not {}", count.get_ref());
+        Fault::at(count.span(), problem, "ask for many samples and stop with --time-limit or --noise")
+    })
 }
 
 fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault> {

@@ -91,6 +91,9 @@ pub enum LightSampling {
 /// Largest winding number of rays to lights: those that go around more often cannot be told from the critical ray.
 pub const MAX_WINDING: u32 = 8;
 
+/// Most samples of a pixel that can be asked for: the numbers of others are left to probes.
+pub const MAX_SPP: u32 = 1 << 31;
+
 /// Most ray segments of a path that can be asked for: there are random numbers for as many.
 pub const MAX_SEGMENTS: u32 = u16::MAX as u32;
 

@@ -30,7 +30,7 @@ const MARGIN: f64 = 0.15;
 /// Angle of a cap, radians, from which on the whole lamp may as well be sampled.
 const WIDEST: f64 = 1.0;
 
-/// Limits light samples to the exposed parts of spherical lamps.
+/// Limits light samples to the exposed parts of spherical lamps; not worth anything once the job's halt is due.
 pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lights) {
     if !lights.emitters().iter().any(|emitter| emitter.sphere().is_some()) {
         return;
@@ -61,7 +61,10 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
     let mut ray = Ray { position, direction, leaves: PrimitiveId::NONE };
     let mut met = Vec::new();
     loop {
-        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, |_, _, _, _| {});
+        if job.halt.is_due() {
+            return met;
+        }
+        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let surface = scene.geometry.surface_point(landing.primitive, landing.position);
         if scene.materials[surface.surface.material as usize].emits() {

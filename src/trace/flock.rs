@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 
+use super::halt::Halt;
 use super::shoot::Ray;
 use super::stages::intersect::intersect_all;
 use super::stats::Counters;
@@ -40,12 +41,14 @@ impl<T: Transport> Default for Flock<T> {
 }
 
 impl<T: Transport> Flock<T> {
-    /// Where `rays` end, in their order, as [`follow`](super::shoot::follow) tells of each.
+    /// Where `rays` end, in their order, as [`follow`](super::shoot::follow) tells of each; not worth anything once `halt`
+    /// is due.
     pub fn follow(
         &mut self,
         transport: &T,
         geometry: &Geometry,
         rays: &[Ray],
+        halt: &Halt,
         ends: &mut Vec<Outcome<Infallible>>,
     ) {
         ends.clear();
@@ -53,7 +56,7 @@ impl<T: Transport> Flock<T> {
         self.launch(transport, rays);
         let (mut live, mut counters) = (rays.len(), Counters::default());
         let Self { flights, moves, search, scratch, rays, exactly, ended, .. } = self;
-        while live > 0 {
+        while live > 0 && !halt.is_due() {
             transport.advance_all(flights.blocks(live), moves.blocks_mut(live));
             intersect_all(transport, geometry, (flights, moves), search, live, &mut counters);
             let (found, exactly) = (&search.found[..live], &exactly[..live]);

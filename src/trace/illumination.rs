@@ -75,7 +75,8 @@ impl Illumination {
         }
     }
 
-    /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass.
+    /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass; not worth anything
+    /// once the job's halt is due.
     pub fn learn<T: Transport>(&mut self, job: &Job, transport: &T) {
         self.learn_exposure(job, transport);
         self.learn_ways(job, transport, photons::count(job.settings));
@@ -91,7 +92,7 @@ impl Illumination {
     /// Learns from a number of photons where light comes from through mirrors and glass.
     pub fn learn_ways<T: Transport>(&mut self, job: &Job, transport: &T, photons: u32) {
         if self.heuristic.is_some() {
-            self.guide = photons::guide(job.scene, transport, &self.lights, photons);
+            self.guide = photons::guide(job, transport, &self.lights, photons);
         }
     }
 

@@ -8,6 +8,7 @@ mod edges;
 mod exposure;
 mod fate;
 mod flock;
+mod halt;
 mod illumination;
 mod paper;
 mod path;
@@ -28,6 +29,7 @@ mod wavefront;
 mod work;
 mod worker;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -43,6 +45,7 @@ use curved::march::march;
 use curved::{Curved, Lane};
 use edges::Edges;
 pub use fate::Fate;
+use halt::Halt;
 use illumination::Illumination;
 pub use illumination::LightSummary;
 use paper::PaperMarch;
@@ -64,7 +67,7 @@ pub struct Run {
     pub threads: usize,
     /// Rays in a worker's wavefront.
     pub batch: usize,
-    /// Stop after this much time.
+    /// Stop after this much time, from the first ray on; later, if some pixel would have no sample, by at most a second.
     pub time_limit: Option<Duration>,
     /// Stop when the image's mean relative standard error falls below this.
     pub noise: Option<f64>,
@@ -93,8 +96,17 @@ pub struct Rendered {
     pub image: Image,
     /// Samples that every pixel holds; fewer than asked for if the run ended early.
     pub spp: u32,
+    /// Pixels that hold no sample at all.
+    pub unsampled: usize,
     /// What was done and how long it took.
     pub stats: Stats,
+}
+
+impl Rendered {
+    /// Pixels of the picture, of the crop if it is one.
+    pub fn pixels(&self) -> usize {
+        self.image.size.0 * self.image.size.1
+    }
 }
 
 /// How far a render has come, in camera paths.
@@ -106,15 +118,24 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Samples of the first passes: a picture soon, and Sobol' points in powers of two.
-const FIRST_PASSES: [u32; 4] = [1, 3, 4, 8];
-/// Samples of each pass after those.
+/// Samples of each pass but the first few.
 const PASS: u32 = 16;
 /// Samples below which the noise is not known well enough to stop.
 const FEWEST_FOR_NOISE: u32 = 16;
 
-/// Renders `scene`; `progress` is called from worker threads after each finished tile, and setting `cancel` ends the
-/// run after the tiles in work (pixels that miss the current pass keep the samples of the passes before).
+/// The samples of the pass that this one belongs to: a picture soon, and Sobol' points in powers of two.
+fn pass_of(sample: u32) -> Range<u32> {
+    match sample {
+        0 => 0..1,
+        1..4 => 1..4,
+        4..8 => 4..8,
+        8..PASS => 8..PASS,
+        _ => sample / PASS * PASS..(sample / PASS + 1) * PASS,
+    }
+}
+
+/// Renders `scene`; `progress` is called when the first path begins, and from worker threads after each finished tile. Setting `cancel` ends the run at
+/// once: pixels that miss the current pass keep the samples of the passes before.
 pub fn render(
     scene: &Baked,
     run: &Run,
@@ -243,9 +264,10 @@ impl Errand for Renderer<'_> {
             attributes: Vec::new(),
         };
         let spp = tiles.iter().map(|tile| tile.spp).min().unwrap_or(0);
+        let unsampled = tiles.iter().filter(|tile| tile.spp == 0).map(|tile| tile.size.0 * tile.size.1).sum();
         tile::assemble(tiles, &run.aovs, &mut image);
         image.attributes = self.attributes(spp);
-        Rendered { image, spp, stats: Stats::new(counters, times, started.elapsed(), threads) }
+        Rendered { image, spp, unsampled, stats: Stats::new(counters, times, started.elapsed(), threads) }
     }
 }
 
@@ -262,21 +284,22 @@ impl Renderer<'_> {
     }
 
     /// What light sampling has to learn first, then all passes.
-    fn work<T: Transport>(
-        &self,
-        job: &mut Job,
+    fn work<'a, T: Transport>(
+        &'a self,
+        job: &mut Job<'a>,
         transport: &T,
         tiles: &mut [Tile],
         wanted: Wanted,
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
         let mut illumination = Illumination::of(self.scene);
+        job.halt = Halt::new(self.cancel, self.run.time_limit);
         if let Some(illumination) = &mut illumination {
             illumination.learn(job, transport);
         }
         job.illumination = illumination;
         let learning = started.elapsed().as_secs_f64();
-        let (counters, times, threads) = self.passes(job, transport, tiles, wanted, started);
+        let (counters, times, threads) = self.passes(job, transport, tiles, wanted);
         (counters, StageTimes { learning, ..times }, threads)
     }
 
@@ -287,36 +310,33 @@ impl Renderer<'_> {
         transport: &T,
         tiles: &mut [Tile],
         wanted: Wanted,
-        started: Instant,
     ) -> (Counters, StageTimes, usize) {
+        let (halt, spp) = (&job.halt, job.settings.spp);
         let workers = Workers::new(job, transport, wanted, self.run.batch);
-        let mut edges: Vec<Option<Edges>> = vec![None; tiles.len()];
+        let mut edges = vec![Edges::default(); tiles.len()];
         let pixels: u64 = tiles.iter().map(|tile| (tile.size.0 * tile.size.1) as u64).sum();
-        let (done, total) = (AtomicU64::new(0), pixels * u64::from(job.settings.spp));
-        let mut first_passes = FIRST_PASSES.into_iter();
-        let mut left = job.settings.spp;
-        while left > 0 && !self.should_stop(started) {
-            let count = first_passes.next().unwrap_or(PASS).min(left);
-            left -= count;
+        let (done, total) = (AtomicU64::new(0), pixels * u64::from(spp));
+        (self.progress)(Progress { done: 0, total });
+        let mut first = 0;
+        while first < spp && !halt.is_due() {
+            let end = pass_of(first).end.min(spp);
             tiles.par_iter_mut().zip(&mut edges).for_each(|(tile, edges)| {
-                if self.should_stop(started) {
+                if halt.is_due() {
                     return;
                 }
-                let edges = edges.get_or_insert_with(|| workers.own().edges(tile.origin, tile.size));
-                let paths = workers.own().add_samples(tile, edges, count);
+                let Some(paths) = workers.own().pass(tile, edges, end) else { return };
                 let done = done.fetch_add(paths, Ordering::Relaxed) + paths;
                 (self.progress)(Progress { done, total });
             });
+            if tiles.iter().all(|tile| tile.spp > 0) {
+                halt.has_picture();
+            }
             if self.is_quiet(tiles) {
                 break;
             }
+            first = end;
         }
         workers.finish()
-    }
-
-    fn should_stop(&self, started: Instant) -> bool {
-        let late = self.run.time_limit.is_some_and(|limit| started.elapsed() >= limit);
-        late || self.cancel.load(Ordering::Relaxed)
     }
 
     /// Whether the noise asked for is reached.

@@ -16,17 +16,18 @@ use super::vertex::Vertex;
 use super::work::{Job, Work};
 use crate::geometry::PrimitiveId;
 
-/// Traces all paths of `work` into `samples`.
+/// Steps between two looks at the clock.
+const PATIENCE: u64 = 64;
+
+/// Traces all paths of `work` into `samples`; `None`, and the samples are worth nothing, if it had to give up.
 pub fn trace<T: Transport>(
     job: &Job,
     transport: &T,
     work: &Work,
     samples: &mut Samples,
     counters: &mut Counters,
-) {
-    for index in 0..work.paths() {
-        trace_path(job, transport, work, index, samples, counters);
-    }
+) -> Option<()> {
+    (0..work.paths()).try_for_each(|index| trace_path(job, transport, work, index, samples, counters))
 }
 
 fn trace_path<T: Transport>(
@@ -36,7 +37,7 @@ fn trace_path<T: Transport>(
     index: u32,
     samples: &mut Samples,
     counters: &mut Counters,
-) {
+) -> Option<()> {
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
     let mut flight = transport.launch(position, direction, PrimitiveId::NONE);
@@ -46,6 +47,9 @@ fn trace_path<T: Transport>(
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, counters);
+        if counters.steps.is_multiple_of(PATIENCE) && job.halt.is_due() {
+            return None;
+        }
         let illumination = job.illumination.as_ref().filter(|_| vertex.is_lit);
         record_step(
             &path,
@@ -117,4 +121,5 @@ fn trace_path<T: Transport>(
         break;
     }
     samples.radiance[path.slot as usize] = path.radiance;
+    Some(())
 }

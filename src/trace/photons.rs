@@ -5,9 +5,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::flock::Flock;
+use super::halt::Halt;
 use super::shoot::Ray;
 use super::stages::scatter::incidence;
 use super::transport::{Landing, Outcome, Transport};
+use super::work::Job;
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::{Baked, Settings};
 use crate::shade::{self, Key, Media, Sampler};
@@ -31,9 +33,10 @@ pub fn count(settings: &Settings) -> u32 {
     (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
 }
 
-/// Sends `count` photons through `scene` and learns from where they land; `None` if there is nothing to learn: no mirrors, no
-/// glass, no surfaces that emit.
-pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
+/// Sends `count` photons through the scene and learns from where they land; `None` if there is nothing to learn: no mirrors,
+/// no glass, no surfaces that emit. Not worth anything once the job's halt is due.
+pub fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
+    let scene = job.scene;
     if !is_useful(scene) {
         return None;
     }
@@ -49,8 +52,8 @@ pub fn guide<T: Transport>(scene: &Baked, transport: &T, lights: &Lights, count:
     if !total.is_finite() || total <= 0.0 {
         return None;
     }
-    let shower =
-        Shower { scene, lights, powers: &powers, sampler: Sampler::independent(scene.settings.seed) };
+    let sampler = Sampler::independent(scene.settings.seed);
+    let shower = Shower { scene, lights, powers: &powers, sampler, halt: &job.halt };
     let photons: Vec<Photon> = (0..count.div_ceil(TOGETHER))
         .into_par_iter()
         .map_init(Flock::default, |flock, part| {
@@ -69,6 +72,7 @@ struct Shower<'a> {
     /// Sums of the powers of the lamps up to each.
     powers: &'a [f64],
     sampler: Sampler,
+    halt: &'a Halt<'a>,
 }
 
 /// A photon under way.
@@ -95,7 +99,7 @@ impl Shower<'_> {
             range.filter_map(|index| self.start(index)).unzip();
         let mut ends = Vec::new();
         while !rays.is_empty() {
-            flock.follow(transport, &self.scene.geometry, &rays, &mut ends);
+            flock.follow(transport, &self.scene.geometry, &rays, self.halt, &mut ends);
             rays.clear();
             for (photon, end) in std::mem::take(&mut flying).into_iter().zip(&ends) {
                 let (place, Outcome::Landed(landing)) = (photon.index - first, end) else { continue };

@@ -15,7 +15,7 @@ use super::tile::TILE;
 use super::transport::{Errand, Transport};
 use super::work::{Job, Lattice, Share, Work};
 use super::worker::{Worker, Workers};
-use super::{Run, on_threads, with_render_transport};
+use super::{Run, on_threads, pass_of, with_render_transport};
 use crate::scene::{Baked, Schedule, Settings};
 
 /// Samples of each pixel that is looked at, at most: as many as a pass of a render takes.
@@ -248,7 +248,8 @@ impl Look {
         let (x, y) = self.spot((self.window.size.0 - size.0 + 1, self.window.size.1 - size.1 + 1));
         let origin = (origin.0 + x, origin.1 + y);
         let started = Instant::now();
-        let edges = worker.edges(origin, size);
+        let (mut edges, spp) = (Edges::default(), scene.settings.spp);
+        worker.refine(&mut edges, (origin, size), pass_of(spp.min(EDGE_SPP) - 1).start);
         let finding = started.elapsed().as_secs_f64();
         let (first_sample, samples) = (0, EDGE_SAMPLES);
         let work =
@@ -261,8 +262,8 @@ impl Look {
         // Neighbourhoods are searched with a rim of one pixel, as tiles are.
         let rim = |side: usize| (side as f64 + 2.0) / side as f64;
         let less = rim(TILE) * rim(TILE) / (rim(size.0) * rim(size.1));
-        let spp = f64::from(scene.settings.spp);
-        let probed = spp / f64::from(scene.settings.spp.min(EDGE_SPP));
+        let probed = f64::from(Edges::probes(spp)) / f64::from(Edges::probes(spp.min(EDGE_SPP)));
+        let spp = f64::from(spp);
         (finding * less * probed + looking * spp / f64::from(samples)) / (size.0 * size.1) as f64
     }
 }

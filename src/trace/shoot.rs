@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::halt::Halt;
 use super::stages::intersect::intersect;
 use super::stats::Counters;
 use super::transport::{Errand, Landing, Outcome, Transport};
@@ -22,6 +23,9 @@ pub struct Ray {
     /// What it starts on: [`PrimitiveId::NONE`] in free space.
     pub leaves: PrimitiveId,
 }
+
+/// Steps between two looks at the clock.
+const PATIENCE: u64 = 64;
 
 /// Where a ray went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,15 +52,21 @@ impl Errand for Shooting<'_> {
     type Output = Vec<Shot>;
 
     fn run<T: Transport>(self, transport: &T) -> Vec<Shot> {
-        self.rays.par_iter().map(|ray| follow(transport, self.geometry, ray, |_, _, _, _| {})).collect()
+        let halt = Halt::default();
+        self.rays
+            .par_iter()
+            .map(|ray| follow(transport, self.geometry, ray, &halt, |_, _, _, _| {}))
+            .collect()
     }
 }
 
-/// Follows one ray to its end; `each` sees every move, what was found along it, and where the ray landed on it if it did.
+/// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, what was found along it,
+/// and where the ray landed on it if it did.
 pub(super) fn follow<T: Transport>(
     transport: &T,
     geometry: &Geometry,
     ray: &Ray,
+    halt: &Halt,
     mut each: impl FnMut(&T::Flight, &T::Move, Option<Found>, Option<&Landing>),
 ) -> Shot {
     let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
@@ -74,6 +84,10 @@ pub(super) fn follow<T: Transport>(
         match outcome.end() {
             Ok(end) => return Shot { end, steps: counters.steps, queries: counters.queries },
             Err(next) => flight = next,
+        }
+        if counters.steps.is_multiple_of(PATIENCE) && halt.is_due() {
+            let Counters { steps, queries, .. } = counters;
+            return Shot { end: Outcome::StepLimit, steps, queries };
         }
     }
 }

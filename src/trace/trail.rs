@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::halt::Halt;
 use super::shoot::{Ray, follow};
 use super::transport::{Errand, Outcome, Transport};
 use super::with_transport_to;
@@ -50,7 +51,7 @@ impl Errand for Trailing<'_> {
 
 fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
     let (mut points, mut heading) = (vec![ray.position], ray.direction);
-    let shot = follow(transport, geometry, ray, |flight, step, found, landing| {
+    let shot = follow(transport, geometry, ray, &Halt::default(), |flight, step, found, landing| {
         // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
         let taken = landing.is_some() || found.is_none();
         if let Some(course) = transport.course(flight, step).filter(|_| taken) {

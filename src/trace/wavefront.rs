@@ -75,7 +75,7 @@ impl<T: Transport> Wavefront<T> {
         }
     }
 
-    /// Traces all paths of `work` into `samples`.
+    /// Traces all paths of `work` into `samples`; `None`, and the samples are worth nothing, if it had to give up.
     pub fn trace(
         &mut self,
         job: &Job,
@@ -84,16 +84,20 @@ impl<T: Transport> Wavefront<T> {
         samples: &mut Samples,
         counters: &mut Counters,
         times: &mut StageTimes,
-    ) {
+    ) -> Option<()> {
         self.resize(self.capacity.min(work.paths() as usize), job.illumination.is_some());
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
+            if job.halt.is_due() {
+                self.live = 0;
+                return None;
+            }
             let before = self.live;
             self.generate(job, transport, work, &mut next, counters);
             lap.end(&mut times.generate, self.live - before);
             if self.live == 0 {
-                return;
+                return Some(());
             }
             times.occupancy.count(self.live, self.exactly.len(), LANES);
             transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));

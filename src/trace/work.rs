@@ -1,6 +1,7 @@
 //! What is to be done: the job as a whole, and one tile's share of a pass.
 
 use super::edges::Edges;
+use super::halt::Halt;
 use super::illumination::Illumination;
 use super::path::Gathers;
 use crate::scene::{Baked, SamplerKind, Settings};
@@ -16,16 +17,18 @@ pub struct Job<'a> {
     pub sampler: Sampler,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
+    /// When to give up.
+    pub halt: Halt<'a>,
 }
 
 impl<'a> Job<'a> {
-    /// A render of `scene` under `settings`, before anything is known of its lights.
+    /// A render of `scene` under `settings`, before anything is known of its lights; it does not give up.
     pub fn new(scene: &'a Baked, settings: &'a Settings) -> Self {
         let sampler = match settings.sampler {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
-        Self { scene, settings, sampler, illumination: None }
+        Self { scene, settings, sampler, illumination: None, halt: Halt::default() }
     }
 }
 

@@ -71,36 +71,50 @@ impl<'a, T: Transport> Workers<'a, T> {
 }
 
 impl<T: Transport> Worker<'_, T> {
-    /// Where the part of the picture that starts at `origin`, of `size` pixels, sees edges of lamps.
-    pub fn edges(&mut self, origin: (usize, usize), size: (usize, usize)) -> Edges {
-        let settings = self.job.settings;
-        if !Edges::are_useful(self.job.scene) {
-            return Edges::default();
+    /// Finds more `edges` of lamps in the part of the picture that starts at `origin`, of `size` pixels, before its sample
+    /// of number `first_sample`; `None` if it had to give up.
+    pub fn refine(
+        &mut self,
+        edges: &mut Edges,
+        (origin, size): ((usize, usize), (usize, usize)),
+        first_sample: u32,
+    ) -> Option<()> {
+        let Job { scene, settings, .. } = *self.job;
+        if !Edges::are_useful(scene) {
+            return Some(());
         }
-        Edges::find((origin, size), settings, |work| self.trace(work, Wanted::default()))
+        edges.refine((origin, size), settings, first_sample, |work| self.trace(work, Wanted::default()))
     }
 
-    /// Adds `count` samples to each pixel of `tile`: how many camera paths that were.
-    pub fn add_samples(&mut self, tile: &mut Tile, edges: &Edges, count: u32) -> u64 {
+    /// Adds samples to each pixel of `tile`, up to `end` in all, of which few may be left to a pass: how many camera paths
+    /// that were; `None`, and nothing added, if it had to give up.
+    pub fn pass(&mut self, tile: &mut Tile, edges: &mut Edges, end: u32) -> Option<u64> {
+        self.refine(edges, (tile.origin, tile.size), tile.spp)?;
+        self.add_samples(tile, edges, end - tile.spp)
+    }
+
+    /// Adds `count` samples to each pixel of `tile`: how many camera paths that were; `None`, and nothing added, if it
+    /// had to give up.
+    pub fn add_samples(&mut self, tile: &mut Tile, edges: &Edges, count: u32) -> Option<u64> {
         let Tile { origin, size, spp: first_sample, .. } = *tile;
         let share = Share::Whole(edges);
         let work = Work { origin, size, lattice: Lattice::ALL, first_sample, samples: count, share };
-        let mut samples = self.trace(&work, self.wanted);
+        let mut samples = self.trace(&work, self.wanted)?;
         if let Some(work) = edges.work(&work) {
-            edges.add(&self.trace(&work, Wanted::default()), count, &mut samples);
+            edges.add(&self.trace(&work, Wanted::default())?, count, &mut samples);
         }
         tile.add(&samples, count);
-        u64::from(work.paths())
+        Some(u64::from(work.paths()))
     }
 
-    /// The samples of `work`.
-    pub fn trace(&mut self, work: &Work, wanted: Wanted) -> Samples {
+    /// The samples of `work`; `None` if it had to give up.
+    pub fn trace(&mut self, work: &Work, wanted: Wanted) -> Option<Samples> {
         let mut samples = Samples::new(wanted, work.paths() as usize);
         let Self { job, transport, schedule, wavefront, counters, times, .. } = self;
         match schedule {
-            Schedule::Wavefront => wavefront.trace(job, *transport, work, &mut samples, counters, times),
-            Schedule::PerPixel => per_pixel::trace(job, *transport, work, &mut samples, counters),
+            Schedule::Wavefront => wavefront.trace(job, *transport, work, &mut samples, counters, times)?,
+            Schedule::PerPixel => per_pixel::trace(job, *transport, work, &mut samples, counters)?,
         }
-        samples
+        Some(samples)
     }
 }
