@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::ops::Range;
 
 use exr::block::UncompressedBlock;
-use exr::block::chunk::{Chunk, CompressedBlock};
+use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock};
 use exr::meta::attribute::{EnvironmentMap, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData, magic_number};
@@ -27,6 +27,10 @@ const MANY_CHUNKS: usize = 32;
 const EXPANSION: usize = 1 << 11;
 /// The same for DWA, which packs blocks of 8 × 8 before.
 const DWA_EXPANSION: usize = 1 << 17;
+/// Numbers at the start of a chunk of DWA.
+const DWA_COUNTERS: usize = 11;
+/// Those that tell how large something is once it is decoded.
+const DWA_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
 /// Last words of the names of layers that hold the picture itself.
 const MAIN: [&str; 5] = ["combined", "rgba", "rgb", "beauty", "color"];
 
@@ -337,10 +341,7 @@ impl<'a> ExrFile<'a> {
             chunks.push(rest.get(..before + 4 + size).ok_or_else(damaged)?);
         }
         let there: usize = chunks.iter().map(|chunk| chunk.len()).sum();
-        let expansion = match header.compression {
-            Compression::DWAA(_) | Compression::DWAB(_) => DWA_EXPANSION,
-            _ => EXPANSION,
-        };
+        let expansion = if is_dwa(header) { DWA_EXPANSION } else { EXPANSION };
         let promised = header.layer_size.area().saturating_mul(header.channels.bytes_per_pixel);
         if promised > there.saturating_mul(expansion) {
             return Err(overstated(header, self.bytes.len()));
@@ -363,12 +364,39 @@ impl<'a> ExrFile<'a> {
             if is_smaller {
                 return Ok(None);
             }
+            self.check_dwa(&chunk)?;
             UncompressedBlock::decompress_chunk(chunk, &self.meta, false).map(Some).map_err(undecodable)
         };
         match pool {
             Some(pool) => pool.install(|| chunks.par_iter().map(decode).collect()),
             None => chunks.iter().map(decode).collect(),
         }
+    }
+
+    /// Refuses a chunk of DWA whose counters ask for more memory than its pixels can need: the decoder believes them.
+    fn check_dwa(&self, chunk: &Chunk) -> Result<(), Flaw> {
+        let header = &self.meta.headers[chunk.layer_index];
+        let (CompressedBlock::ScanLine(CompressedScanLineBlock { compressed_pixels_le: data, .. })
+        | CompressedBlock::Tile(CompressedTileBlock { compressed_pixels_le: data, .. })) =
+            &chunk.compressed_block
+        else {
+            return Ok(());
+        };
+        let place = header.get_block_data_indices(&chunk.compressed_block).map_err(undecodable)?;
+        let Vec2(width, height) =
+            header.get_absolute_block_pixel_coordinates(place).map_err(undecodable)?.size;
+        // Pixels that do not become smaller are not compressed, and have no counters.
+        if !is_dwa(header) || data.len() == width * height * header.channels.bytes_per_pixel {
+            return Ok(());
+        }
+        // Blocks are whole, and each sample of them may take as many bytes as two floats.
+        let most = ((width + 8) * (height + 8)).saturating_mul(8 * header.channels.list.len()) as u64;
+        let counters = data.as_chunks().0.iter().map(|counter| u64::from_le_bytes(*counter));
+        let exceeds = |(index, counter): (usize, u64)| DWA_SIZES.contains(&index) && counter > most;
+        if counters.take(DWA_COUNTERS).enumerate().any(exceeds) {
+            return Err(undecodable("a chunk promises more than its pixels"));
+        }
+        Ok(())
     }
 }
 
@@ -390,6 +418,11 @@ fn block_bytes(header: &Header) -> Result<usize, Flaw> {
     let (width, height) = (width.min(header.layer_size.width()), height.min(header.layer_size.height()));
     let bytes = width.checked_mul(height).and_then(|area| area.checked_mul(header.channels.bytes_per_pixel));
     bytes.ok_or_else(|| undecodable("its chunks are larger than any memory"))
+}
+
+/// Whether chunks are compressed by DWA, in either size.
+fn is_dwa(header: &Header) -> bool {
+    matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
 /// The samples of a line as floats.

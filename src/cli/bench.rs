@@ -9,7 +9,7 @@ use super::prefixed::{Files, names, with_suffix};
 use super::progress::Meter;
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, overwrite, print, say, say_warnings};
+use super::{Outcome, memory, overwrite, print, say, say_warnings};
 use crate::film::atomic::Output;
 use crate::plot::Figure;
 use crate::scene::{self, Baked, SpacetimeKind};
@@ -34,6 +34,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     }
     say_warnings(&scene.warnings);
     args.apply(&mut scene.settings);
+    memory::check_kept((scene.settings.width, scene.settings.height), &options.files.memory())?;
     let (scenes, plan) = plan(args, scene)?;
 
     meter.enter("rendering");

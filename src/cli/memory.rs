@@ -14,6 +14,8 @@ const PREVIEW: usize = 3;
 const LANES: usize = 1 << 14;
 /// Bytes of a ray in flight; 900 were measured near a hole.
 const LANE: usize = 1 << 10;
+/// Bytes of a ray that is kept, with its end by several steppers.
+const KEPT: u64 = 256;
 /// Bytes of a thread beside: its stack, and the samples of a tile.
 const THREAD: usize = 4 << 20;
 
@@ -49,6 +51,14 @@ pub(super) fn check(settings: &Settings, run: &Run, memory: &Memory) -> Result<(
         Failure::new(flaw.problem)
             .help("give a smaller --size, a --crop, fewer planes in --aov, or more with --max-memory")
     })
+}
+
+/// Refuses pictures all of whose rays are kept, if they would not fit.
+pub(super) fn check_kept((width, height): (usize, usize), memory: &Memory) -> Result<(), Failure> {
+    let needed = (width as u64).saturating_mul(height as u64).saturating_mul(KEPT);
+    memory
+        .check(format!("all rays of a picture of {width}x{height} pixels"), needed)
+        .map_err(|flaw| Failure::new(flaw.problem).help("give a smaller --size, or more with --max-memory"))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use super::rays_table::Columns;
 use super::shared_args::distinct;
 use super::table::{Table, line};
 use super::units::plural;
-use super::{Outcome, overwrite, print, say, say_warnings};
+use super::{Outcome, memory, overwrite, print, say, say_warnings};
 use crate::scene::{self, Baked, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
@@ -80,6 +80,7 @@ fn load(args: &StudyArgs, path: &Path, outputs: &Files) -> Result<Baked, Failure
     let options = args.changes.options(args.reads.files(path)?);
     let mut scene = scene::load_with(path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.opened())?;
+    memory::check_kept(args.size, &options.files.memory())?;
     say_warnings(&scene.warnings);
     (scene.settings.width, scene.settings.height) = args.size;
     Ok(scene)
