@@ -17,10 +17,13 @@ use warpfront::film::read_exr;
 /// Width and height of the data.
 const SIZE: Vec2<usize> = Vec2(6, 3);
 
+/// Names of channels and their values.
+type Channels = Vec<(&'static str, f32)>;
+
 /// An EXR file about to be written: each channel has one value everywhere.
 #[derive(Clone)]
 struct Exr {
-    parts: Vec<(Option<&'static str>, Vec<(&'static str, f32)>)>,
+    parts: Vec<(Option<&'static str>, Channels)>,
     size: Vec2<usize>,
     position: Vec2<i32>,
     display: IntegerBounds,
@@ -33,12 +36,12 @@ struct Exr {
 
 impl Exr {
     fn with(channels: &[(&'static str, f32)]) -> Self {
-        Self::with_parts(&[(None, channels)])
+        Self::with_parts(vec![(None, channels.to_vec())])
     }
 
-    fn with_parts(parts: &[(Option<&'static str>, &[(&'static str, f32)])]) -> Self {
+    fn with_parts(parts: Vec<(Option<&'static str>, Channels)>) -> Self {
         Self {
-            parts: parts.iter().map(|(name, channels)| (*name, channels.to_vec())).collect(),
+            parts,
             size: SIZE,
             position: Vec2(0, 0),
             display: IntegerBounds::from_dimensions(SIZE),
@@ -55,7 +58,7 @@ impl Exr {
     }
 
     fn bytes(&self) -> Vec<u8> {
-        let layer = |(name, channels): &(Option<&'static str>, Vec<(&'static str, f32)>)| {
+        let layer = |(name, channels): &(Option<&'static str>, Channels)| {
             let samples = |value: f32| match self.half {
                 true => FlatSamples::F16(vec![f16::from_f32(value); self.size.area()]),
                 false => FlatSamples::F32(vec![value; self.size.area()]),
@@ -165,9 +168,9 @@ fn a_multilayer_file_compares_under_plain_names() {
         named("ViewLayer.Depth.Z", 7.0),
     ];
     assert_eq!(planes(&blender.bytes()), expected);
-    let parts = Exr::with_parts(&[
-        (Some("depth"), &[("Z", 7.0)]),
-        (Some("rgba"), &[("A", 1.0), ("B", 0.75), ("G", 0.5), ("R", 0.25)]),
+    let parts = Exr::with_parts(vec![
+        (Some("depth"), vec![("Z", 7.0)]),
+        (Some("rgba"), vec![("A", 1.0), ("B", 0.75), ("G", 0.5), ("R", 0.25)]),
     ]);
     assert_eq!(colour(&parts.bytes()).0, COLOUR);
     assert_eq!(planes(&parts.bytes())[..4], expected[..4]);
@@ -347,7 +350,7 @@ fn damaged_files_are_errors_or_pictures() {
                     _ => next(&mut state) as u8,
                 };
             }
-            if next(&mut state) % 8 == 0 {
+            if next(&mut state).is_multiple_of(8) {
                 bytes.truncate(next(&mut state) % bytes.len());
             }
             let place = Place::with("a.exr", &bytes);
