@@ -5,6 +5,7 @@
 
 mod build;
 mod bvh;
+mod coincident;
 mod cut;
 mod disk;
 mod distance;
@@ -26,6 +27,7 @@ pub use few::SideBySide;
 pub use mesh::{Instance, Mesh};
 pub use primitives::{Disk, Primitives, Sphere, Surface};
 pub use query::{Need, Query};
+use scene::SharedMesh;
 pub use scene::{Carrier, Counts, Geometry, Hit, PrimitiveId, SurfacePoint};
 pub use search::{Found, Search};
 pub use segment::{Chord, Line, Segment};

@@ -17,65 +17,70 @@ impl Geometry {
     /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        widest(First { geometry: self, segment, leaves })
+        self.past_start(segment, leaves, widest(First::<S, false> { geometry: self, segment, leaves }))
     }
 
-    /// First crossing of what is no triangle, by parameter (infinite if there is none) and triangle of an instance. `left`
-    /// is what the segment starts on, if that is a part of it.
-    fn cross_other<S: Segment>(&self, slot: u32, segment: &S, left: Option<u32>) -> (f64, u32) {
-        match self.item(slot) {
-            Item::Sphere(i) => (segment.cross_sphere(&self.spheres[i as usize].0, left.is_some()), 0),
-            Item::Disk(i) => (segment.cross_disk(&self.disks[i as usize].0, left.is_some()), 0),
-            Item::Instance(i) => self.cross_instance(&self.placed[i as usize], segment, left),
-            Item::Triangle(_) => (f64::INFINITY, 0),
-        }
-    }
-
-    /// First crossing of a triangle of a placed mesh by `segment` (relative to the origin), by parameter (infinite if there
-    /// is none) and slot.
-    fn cross_instance<S: Segment>(&self, placed: &Placed, segment: &S, leaves: Option<u32>) -> (f64, u32) {
-        let Some(shared) = &self.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
-        let segment = segment.transformed(&placed.to_object);
-        let along = Along::new(segment.chord());
-        widest(NearestInside { shared, segment, along, own: leaves, hit: (f64::INFINITY, 0) })
+    /// The same, with all crossings at the start of the segment left out that are of what coincides with what it starts on.
+    pub(super) fn intersect_past_start<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
+        widest(First::<S, true> { geometry: self, segment, leaves })
     }
 }
 
 /// A search, for the widest vectors that the machine has.
-struct First<'a, S> {
+struct First<'a, S, const PAST_START: bool> {
     geometry: &'a Geometry,
     segment: &'a S,
     leaves: PrimitiveId,
 }
 
-impl<S: Segment> pulp::NullaryFnOnce for First<'_, S> {
+impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for First<'_, S, PAST_START> {
     type Output = Option<Hit>;
 
     #[inline(always)]
     fn call(self) -> Option<Hit> {
-        let mut nearest = Nearest::new(self.geometry, self.segment, self.leaves);
+        let mut nearest = Nearest::<S, PAST_START>::new(self.geometry, self.segment, self.leaves);
         self.geometry.bvh.walk(&nearest.chord(), &mut nearest);
         nearest.hit
     }
 }
 
-/// Looks for the first hit in the top hierarchy.
-pub(super) struct Nearest<'a, S> {
-    geometry: &'a Geometry,
+/// Looks for the first hit in the top hierarchy; with `PAST_START`, beyond what coincides with what the segment starts on.
+pub(super) struct Nearest<'a, S, const PAST_START: bool> {
+    leaving: Leaving<'a, S>,
     /// Relative to the origin of the geometry.
     segment: S,
     along: Along,
-    leaves: PrimitiveId,
     /// The first so far.
     pub(super) hit: Option<Hit>,
 }
 
-impl<'a, S: Segment> Nearest<'a, S> {
+/// A segment and what it starts on.
+#[derive(Clone, Copy)]
+struct Leaving<'a, S> {
+    geometry: &'a Geometry,
+    /// World coordinates.
+    whole: S,
+    leaves: PrimitiveId,
+}
+
+impl<S: Segment> Leaving<'_, S> {
+    /// A crossing of `primitive`, as `cross` gives it for a segment that starts on it or does not.
+    #[inline(always)]
+    fn crossing<const PAST_START: bool>(&self, primitive: PrimitiveId, cross: impl Fn(bool) -> f64) -> f64 {
+        let own = self.leaves == primitive;
+        let s = cross(own);
+        let again = PAST_START && !own && self.geometry.is_left(&self.whole, self.leaves, s, primitive);
+        if again { cross(true) } else { s }
+    }
+}
+
+impl<'a, S: Segment, const PAST_START: bool> Nearest<'a, S, PAST_START> {
     /// Along `segment` (world), which starts on the primitive `leaves`.
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, segment: &S, leaves: PrimitiveId) -> Self {
+        let leaving = Leaving { geometry, whole: *segment, leaves };
         let segment = segment.shifted(-geometry.origin);
-        Self { geometry, segment, along: Along::new(segment.chord()), leaves, hit: None }
+        Self { leaving, segment, along: Along::new(segment.chord()), hit: None }
     }
 
     /// What is to be walked along.
@@ -88,23 +93,52 @@ impl<'a, S: Segment> Nearest<'a, S> {
     #[inline(always)]
     fn consider(&mut self, s: f64, item: u32, triangle: u32) {
         let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
-        if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
+        if s < f64::INFINITY && self.hit.is_none_or(|best| self.leaving.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
             self.along.end_at(self.segment.point(s));
         }
     }
+
+    /// First crossing of what is no triangle, by parameter (infinite if there is none) and triangle of an instance.
+    fn cross_other(&self, slot: u32) -> (f64, u32) {
+        let (geometry, segment) = (self.leaving.geometry, &self.segment);
+        let primitive = PrimitiveId { item: slot, triangle: 0 };
+        match geometry.item(slot) {
+            Item::Sphere(i) => {
+                let cross = |own| segment.cross_sphere(&geometry.spheres[i as usize].0, own);
+                (self.leaving.crossing::<PAST_START>(primitive, cross), 0)
+            }
+            Item::Disk(i) => {
+                let cross = |own| segment.cross_disk(&geometry.disks[i as usize].0, own);
+                (self.leaving.crossing::<PAST_START>(primitive, cross), 0)
+            }
+            Item::Instance(i) => self.cross_instance(slot, &geometry.placed[i as usize]),
+            Item::Triangle(_) => (f64::INFINITY, 0),
+        }
+    }
+
+    /// First crossing of a triangle of a placed mesh, by parameter (infinite if there is none) and slot.
+    fn cross_instance(&self, item: u32, placed: &Placed) -> (f64, u32) {
+        let leaving = self.leaving;
+        let Some(shared) = &leaving.geometry.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
+        let segment = self.segment.transformed(&placed.to_object);
+        let along = Along::new(segment.chord());
+        let hit = (f64::INFINITY, 0);
+        widest(NearestInside::<S, PAST_START> { leaving, item, shared, segment, along, hit })
+    }
 }
 
-impl<S: Segment> Visitor for Nearest<'_, S> {
+impl<S: Segment, const PAST_START: bool> Visitor for Nearest<'_, S, PAST_START> {
     #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
-        let geometry = self.geometry;
+        let Leaving { geometry, leaves, .. } = self.leaving;
         if !geometry.singles.is_empty() {
             let mut may = self.along.screen_block::<S>(geometry.triangles.block(number));
             while let Some(slot) = next_slot(&mut may, number) {
-                let own = self.leaves == PrimitiveId { item: slot, triangle: 0 };
-                if S::BENDS || !own {
-                    let s = self.segment.cross_triangle(&geometry.triangle(slot), own);
+                let primitive = PrimitiveId { item: slot, triangle: 0 };
+                if S::BENDS || leaves != primitive {
+                    let cross = |own| self.segment.cross_triangle(&geometry.triangle(slot), own);
+                    let s = self.leaving.crossing::<PAST_START>(primitive, cross);
                     self.consider(s, slot, 0);
                 }
             }
@@ -112,8 +146,7 @@ impl<S: Segment> Visitor for Nearest<'_, S> {
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let left = (self.leaves.item == slot).then_some(self.leaves.triangle);
-                    let (s, triangle) = geometry.cross_other(slot, &self.segment, left);
+                    let (s, triangle) = self.cross_other(slot);
                     self.consider(s, slot, triangle);
                 }
             }
@@ -123,24 +156,27 @@ impl<S: Segment> Visitor for Nearest<'_, S> {
 
     #[inline(always)]
     fn prefetch(&self, number: usize) {
-        if !self.geometry.singles.is_empty() {
-            prefetch(self.geometry.triangles.block(number));
+        let geometry = self.leaving.geometry;
+        if !geometry.singles.is_empty() {
+            prefetch(geometry.triangles.block(number));
         }
     }
 }
 
 /// Looks for the first hit in the hierarchy of a shared mesh.
-struct NearestInside<'a, S> {
+struct NearestInside<'a, S, const PAST_START: bool> {
+    leaving: Leaving<'a, S>,
+    /// Slot of the placed mesh.
+    item: u32,
     shared: &'a SharedMesh,
     /// In the mesh's own coordinates.
     segment: S,
     along: Along,
-    own: Option<u32>,
     /// Parameter and slot.
     hit: (f64, u32),
 }
 
-impl<S: Segment> pulp::NullaryFnOnce for NearestInside<'_, S> {
+impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for NearestInside<'_, S, PAST_START> {
     type Output = (f64, u32);
 
     #[inline(always)]
@@ -151,14 +187,16 @@ impl<S: Segment> pulp::NullaryFnOnce for NearestInside<'_, S> {
     }
 }
 
-impl<S: Segment> Visitor for NearestInside<'_, S> {
+impl<S: Segment, const PAST_START: bool> Visitor for NearestInside<'_, S, PAST_START> {
     #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
         let SharedMesh { bvh, triangles } = self.shared;
         let order = bvh.order();
         let mut may = self.along.screen_block::<S>(triangles.block(number));
         while let Some(slot) = next_slot(&mut may, number) {
-            let s = self.segment.cross_triangle(&triangles.get(slot as usize), self.own == Some(slot));
+            let cross = |own| self.segment.cross_triangle(&triangles.get(slot as usize), own);
+            let primitive = PrimitiveId { item: self.item, triangle: slot };
+            let s = self.leaving.crossing::<PAST_START>(primitive, cross);
             let (best, at) = self.hit;
             if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
                 self.hit = (s, slot);

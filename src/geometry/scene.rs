@@ -214,8 +214,13 @@ impl Geometry {
     }
 
     pub(super) fn is_before(&self, a: &Hit, b: &Hit) -> bool {
-        let given = |hit: &Hit| (self.bvh.order()[hit.primitive.item as usize], hit.primitive.triangle);
-        a.s < b.s || (a.s == b.s && given(a) < given(b))
+        a.s < b.s || (a.s == b.s && self.given(a.primitive) < self.given(b.primitive))
+    }
+
+    /// What sorts primitives in the order in which they were given.
+    #[inline(always)]
+    pub(super) fn given(&self, primitive: PrimitiveId) -> (u32, u32) {
+        (self.bvh.order()[primitive.item as usize], primitive.triangle)
     }
 
     /// The carrier of a primitive, in the world.

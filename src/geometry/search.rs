@@ -11,7 +11,8 @@ use super::bvh::Walk;
 use super::few::Few;
 use super::nearest::Nearest;
 use super::query::{Need, Query};
-use super::scene::{Geometry, PrimitiveId};
+use super::scene::{Geometry, Hit, PrimitiveId};
+use super::segment::Segment;
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 
@@ -52,12 +53,19 @@ impl Geometry {
             few.search::<S>(self, queries.blocks(lanes));
             for (lane, found) in found.iter_mut().enumerate() {
                 let (s, primitive) = few.first(lane);
-                let point = || queries.get(lane).segment.point(s);
-                *found = (s < f64::INFINITY).then(|| Found { point: point(), primitive });
+                let hit = (s < f64::INFINITY).then_some(Hit { s, primitive });
+                *found = hit.and_then(|_| self.found(&queries.get(lane), hit));
             }
         } else {
             widest(ByTurns { geometry: self, queries, found });
         }
+    }
+
+    /// What a query finds, given its first hit.
+    #[inline(always)]
+    fn found<S: Segment>(&self, query: &Query<S>, hit: Option<Hit>) -> Option<Found> {
+        let Hit { s, primitive } = self.past_start(&query.segment, query.leaves, hit)?;
+        Some(Found { point: query.segment.point(s), primitive })
     }
 }
 
@@ -71,7 +79,7 @@ struct ByTurns<'a, S: SideBySide> {
 /// A walk with what it looks for, and for which lane.
 struct Turn<'a, S> {
     walk: Walk<HeapStack<u64>>,
-    nearest: Nearest<'a, S>,
+    nearest: Nearest<'a, S, false>,
     lane: usize,
 }
 
@@ -109,9 +117,8 @@ impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
                     turn.walk.prefetch(bvh, &turn.nearest);
                     busy = true;
                 } else {
-                    let point = |s: f64| queries.get(turn.lane).segment.point(s);
                     let hit = turn.nearest.hit;
-                    found[turn.lane] = hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
+                    found[turn.lane] = hit.and_then(|_| geometry.found(&queries.get(turn.lane), hit));
                 }
             }
         }

@@ -24,7 +24,8 @@ use crate::spacetime::{Chart, Schwarzschild};
 /// direction its transform loses; an unusable camera or one behind the horizon; a scene in which there is nothing to
 /// see.
 pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
-    let (primitives, shaped) = flatten(&mut world)?;
+    let (mut primitives, shaped) = flatten(&mut world)?;
+    warn_of_doubles(&mut world, primitives.drop_doubles());
     if shaped.is_empty() && world.environment.is_black() {
         return Err(Fault::whole(
             "the scene is empty: nothing has a surface, and the environment is black",
@@ -198,6 +199,14 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),
         None => Err(Fault::whole(problem, help)),
+    }
+}
+
+fn warn_of_doubles(world: &mut World, count: usize) {
+    if count > 0 {
+        let objects = if count == 1 { "object lies" } else { "objects lie" };
+        let what = format!("{count} {objects} exactly where another does: of such doubles the first counts");
+        world.warnings.push(what);
     }
 }
 

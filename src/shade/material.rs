@@ -65,6 +65,11 @@ impl Material {
         }
     }
 
+    /// Whether light goes through.
+    pub fn is_dielectric(&self) -> bool {
+        matches!(self.lobe, Lobe::Dielectric { .. })
+    }
+
     /// The colour that the albedo AOV shows.
     pub fn albedo(&self) -> Vec3 {
         match self.lobe {

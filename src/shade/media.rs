@@ -43,9 +43,51 @@ impl Media {
     }
 }
 
+/// What light goes from and into where it goes through faces of dielectrics that lie upon each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// The innermost dielectric before.
+    pub from: Option<u32>,
+    /// All dielectrics after.
+    pub into: Media,
+}
+
+impl Crossing {
+    /// Light in `media` that goes through nothing.
+    pub fn none(media: Media) -> Self {
+        Self { from: media.current(), into: media }
+    }
+
+    /// Light in `media` that goes through `faces`: their materials, and whether it enters them.
+    pub fn of(media: Media, faces: impl Iterator<Item = (u32, bool)>) -> Self {
+        faces.fold(Self::none(media), |Self { from, into }, (material, enters)| match enters {
+            true => Self { from, into: into.entering(material) },
+            // A path that starts inside leaves what it never entered.
+            false => Self { from: from.or(Some(material)), into: into.leaving(material) },
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn faces_that_are_crossed_together_leave_no_medium_behind() {
+        let crossing = |media, faces: &[(u32, bool)]| Crossing::of(media, faces.iter().copied());
+        let glass = Media::VACUUM.entering(3);
+        // From one block of glass into the next; through two that coincide, and out; through a sheet without thickness.
+        assert_eq!(
+            crossing(glass, &[(3, false), (7, true)]),
+            Crossing { from: Some(3), into: Media::VACUUM.entering(7) }
+        );
+        let both = crossing(Media::VACUUM, &[(3, true), (7, true)]);
+        assert_eq!(both, Crossing { from: None, into: glass.entering(7) });
+        assert_eq!(crossing(both.into, &[(3, false), (7, false)]).into, Media::VACUUM);
+        assert_eq!(crossing(Media::VACUUM, &[(3, true), (3, false)]), Crossing::none(Media::VACUUM));
+        // From a camera in glass.
+        assert_eq!(crossing(Media::VACUUM, &[(3, false)]).from, Some(3));
+    }
 
     #[test]
     fn nested_media_come_back_in_order() {

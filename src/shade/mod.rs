@@ -12,6 +12,6 @@ mod sobol;
 
 pub use environment::{Environment, LatLong};
 pub use material::{Lobe, Material};
-pub use media::Media;
+pub use media::{Crossing, Media};
 pub use sampler::{Key, Sampler};
 pub use scatter::{Bounce, Incidence, evaluate, scatter};

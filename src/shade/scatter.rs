@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Lobe, Material, Media, dielectric, diffuse, mirror};
+use super::{Crossing, Lobe, Material, Media, dielectric, diffuse, mirror};
 
 /// Where light meets a surface.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,8 @@ pub struct Incidence {
     pub material: u32,
     /// Dielectrics around the path.
     pub media: Media,
+    /// Through what light goes that is refracted.
+    pub crossing: Crossing,
 }
 
 /// A sampled continuation of a path.
@@ -75,10 +77,6 @@ impl Incidence {
         let normal = flip(self.normal, self.direction);
         (normal, flip(self.shading_normal, -normal))
     }
-
-    fn enters(&self) -> bool {
-        self.direction.dot(self.normal) < 0.0
-    }
 }
 
 /// Reflection about the shading normal, or about the geometric one where that would go through the surface.
@@ -92,12 +90,9 @@ fn reflect_above(direction: DVec3, normal: DVec3, shading: DVec3) -> DVec3 {
 /// Radiance is not scaled by η²: the factors of entering and leaving cancel along any path that ends outside, and
 /// emitters inside glass are to look as bright as they are set.
 fn through_dielectric(materials: &[Material], incidence: &Incidence, choice: f64) -> (DVec3, Media) {
-    let &Incidence { direction, media, material, .. } = incidence;
+    let &Incidence { direction, media, crossing: Crossing { from, into }, .. } = incidence;
     let (normal, shading) = incidence.facing();
-    let beyond = if incidence.enters() { media.entering(material) } else { media.leaving(material) };
-    // A path that starts inside leaves what it never entered.
-    let here = if incidence.enters() { media.current() } else { media.current().or(Some(material)) };
-    let eta = index(materials, beyond.current()) / index(materials, here);
+    let eta = index(materials, into.current()) / index(materials, from);
     for normal_used in [shading, normal] {
         let cos_i = -direction.dot(normal_used);
         if cos_i <= 0.0 {
@@ -105,7 +100,7 @@ fn through_dielectric(materials: &[Material], incidence: &Incidence, choice: f64
         }
         let refracted = refract_if_chosen(direction, normal_used, eta, choice);
         match refracted {
-            Some(out) if out.dot(normal) < 0.0 => return (out, beyond),
+            Some(out) if out.dot(normal) < 0.0 => return (out, into),
             None => return (reflect_above(direction, normal, normal_used), media),
             Some(_) => {}
         }

@@ -13,7 +13,7 @@ use super::edges::Edges;
 use super::shoot::{Ray, Shot, follow};
 use super::stages::draw::Numbers;
 use super::stages::generate::generate;
-use super::stages::scatter::{incidence, scatter};
+use super::stages::scatter::{Meeting, meet, scatter};
 use super::transport::{Outcome, Transport};
 use super::work::{Job, Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
@@ -66,11 +66,10 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         }
         let Shot { end, .. } = follow(transport, &scene.geometry, &ray, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
-        let surface = scene.geometry.surface_point(landing.primitive, landing.position);
+        let Meeting { primitive, surface, incidence } = meet(scene, &landing, path.media);
         if scene.materials[surface.surface.material as usize].emits() {
-            met.push((landing.primitive, surface.normal));
+            met.push((primitive, surface.normal));
         }
-        let incidence = incidence(&surface, landing.direction, path.media);
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
         let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
         ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::flock::Flock;
 use super::halt::Halt;
 use super::shoot::Ray;
-use super::stages::scatter::incidence;
+use super::stages::scatter::{Meeting, meet};
 use super::transport::{Landing, Outcome, Transport};
 use super::work::Job;
 use crate::light::{Guide, Lights, Photon, View};
@@ -140,8 +140,7 @@ impl Shower<'_> {
     fn land(&self, photon: Flying, landing: &Landing) -> Event {
         let Flying { index, hops, media, mut way } = photon;
         let materials = &self.scene.materials;
-        let surface = self.scene.geometry.surface_point(landing.primitive, landing.position);
-        let incidence = incidence(&surface, landing.direction, media);
+        let Meeting { surface, incidence, .. } = meet(self.scene, landing, media);
         way.add(surface.surface.entity);
         if !materials[surface.surface.material as usize].is_specular() {
             return Event::Stays(Photon {

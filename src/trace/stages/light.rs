@@ -8,7 +8,7 @@ use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::draw::Draw;
-use super::scatter::incidence;
+use super::scatter::{Meeting, meet};
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
@@ -148,7 +148,7 @@ pub fn conclude<Flight>(
 #[inline]
 pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;
-    let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
+    let Meeting { surface, incidence, .. } = meet(job.scene, landing, vertex.media);
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if vertex.is_bent && (front || material.emits_both_sides) {
@@ -157,7 +157,6 @@ pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
     if !material.is_specular() || vertex.depth >= job.settings.max_depth {
         return None;
     }
-    let incidence = incidence(&surface, landing.direction, vertex.media);
     let numbers = job.sampler.four(Draw::Bend.key(path, vertex.depth));
     let bounce = shade::scatter(materials, &incidence, numbers)?;
     vertex.brings *= bounce.weight;

@@ -11,7 +11,7 @@ use super::draw::Numbers;
 use super::emit::emit;
 use super::light::{self, propose};
 use super::record::record_hit;
-use super::scatter::{incidence, scatter};
+use super::scatter::{Meeting, meet, scatter};
 use crate::light::Target;
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
@@ -25,10 +25,10 @@ pub fn shade(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
-    let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
+    let Meeting { primitive, surface, incidence } = meet(job.scene, landing, path.media);
+    let landing = &Landing { primitive, ..*landing };
     record_hit(job, path, landing, &surface, samples);
     emit(job, &surface, landing, vertex, path);
-    let incidence = incidence(&surface, landing.direction, path.media);
     let is_specular = job.scene.materials[incidence.material as usize].is_specular();
     match path.gathers {
         Gathers::Lamps if !is_specular => return None,

@@ -1,0 +1,172 @@
+//! Surfaces that lie upon each other: objects doubled by accident, glass that stands on a floor.
+//!
+//! Which of them a ray meets first, and whether it meets the others at all, must not be left to rounding. A segment that leaves
+//! a primitive leaves all that coincides with it at its start ([`Geometry::past_start`]); what a ray meets together with
+//! something is asked for ([`Geometry::upon`]).
+
+use glam::DVec3;
+
+use super::bvh::{EMPTY, LEAF_SIZE, Visitor};
+use super::scene::Item;
+use super::{Carrier, Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh};
+
+/// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of triangles
+/// they are in f32.
+const ON: f64 = 1e-12;
+const ON_TRIANGLES: f64 = 2.5e-7;
+/// Square of the sine of the angle between surfaces that lie upon each other.
+const PARALLEL: f64 = 1e-6;
+/// Distance from its start, relative to the coordinates there, within which a segment may meet what it leaves.
+const NEAR_START: f64 = 1e-4;
+/// Half the length of a line that meets what coincides where it is, relative to the height that is allowed.
+const PROBE: f64 = 8.0;
+
+impl Geometry {
+    /// How high over a surface a point may be that lies on it.
+    fn slack(&self, primitive: PrimitiveId, carrier: &Carrier, point: DVec3) -> f64 {
+        let largest = |v: DVec3| v.abs().max_element();
+        let reach =
+            largest(point - self.origin).max(largest(carrier.anchor - self.origin)).max(carrier.radius);
+        match self.item(primitive.item) {
+            Item::Triangle(_) | Item::Instance(_) => ON_TRIANGLES * reach,
+            // The origin is taken off and added.
+            Item::Sphere(_) | Item::Disk(_) => ON * reach.max(largest(self.origin)),
+        }
+    }
+
+    /// Whether two primitives lie upon each other at a point of the first, if both reach there.
+    fn coincide(&self, one: PrimitiveId, other: PrimitiveId, point: DVec3) -> bool {
+        let [carrier, beside] = [one, other].map(|primitive| self.carrier(primitive));
+        let (normal, (height, beside_normal)) = (carrier.height(point).1, beside.height(point));
+        let slack = self.slack(one, &carrier, point).min(self.slack(other, &beside, point));
+        height.abs() <= slack && normal.cross(beside_normal).length_squared() <= PARALLEL
+    }
+
+    /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met.
+    #[inline(always)]
+    pub(super) fn past_start<S: Segment>(
+        &self,
+        segment: &S,
+        leaves: PrimitiveId,
+        hit: Option<Hit>,
+    ) -> Option<Hit> {
+        match hit {
+            Some(Hit { s, .. }) if leaves != PrimitiveId::NONE && self.is_near_start(segment, s) => {
+                self.search_past_start(segment, leaves, hit)
+            }
+            _ => hit,
+        }
+    }
+
+    #[inline(always)]
+    fn is_near_start<S: Segment>(&self, segment: &S, s: f64) -> bool {
+        let start = segment.chord().start;
+        let near =
+            NEAR_START * (start - self.origin).abs().max_element().max(NEAR_START * self.typical_extent);
+        segment.point(s).distance_squared(start) <= near * near
+    }
+
+    #[cold]
+    fn search_past_start<S: Segment>(
+        &self,
+        segment: &S,
+        leaves: PrimitiveId,
+        hit: Option<Hit>,
+    ) -> Option<Hit> {
+        let first = hit?;
+        if !self.is_left(segment, leaves, first.s, first.primitive) {
+            return hit;
+        }
+        self.intersect_past_start(segment, leaves)
+    }
+
+    /// Whether a crossing of `primitive` at `s` is but the start of a segment that leaves what coincides with it.
+    pub(super) fn is_left<S: Segment>(
+        &self,
+        segment: &S,
+        leaves: PrimitiveId,
+        s: f64,
+        primitive: PrimitiveId,
+    ) -> bool {
+        s < f64::INFINITY
+            && self.is_near_start(segment, s)
+            && self.coincide(leaves, primitive, segment.chord().start)
+    }
+
+    /// All other primitives that lie upon `primitive` at one of its points, in the order in which they were given.
+    pub fn upon(&self, primitive: PrimitiveId, point: DVec3) -> Vec<PrimitiveId> {
+        let carrier = self.carrier(primitive);
+        let way = PROBE * self.slack(primitive, &carrier, point) * carrier.height(point).1;
+        let local = point - self.origin;
+        let line = Line { p0: local - way, p2: local + way };
+        let mut upon = Upon { geometry: self, line, found: Vec::new() };
+        self.bvh.walk(&line.chord(), &mut upon);
+        let mut found = upon.found;
+        found.retain(|&other| other != primitive && self.coincide(primitive, other, point));
+        found.sort_by_key(|&other| self.given(other));
+        found
+    }
+}
+
+/// All that a short line meets.
+struct Upon<'a> {
+    geometry: &'a Geometry,
+    /// Relative to the origin of the geometry.
+    line: Line,
+    found: Vec<PrimitiveId>,
+}
+
+impl Visitor for Upon<'_> {
+    fn leaf(&mut self, number: usize) -> f64 {
+        let Self { geometry, line, found } = self;
+        for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
+            if geometry.bvh.order()[slot as usize] == EMPTY {
+                continue;
+            }
+            let s = match geometry.item(slot) {
+                Item::Triangle(_) => line.cross_triangle(&geometry.triangle(slot), false),
+                Item::Sphere(i) => line.cross_sphere(&geometry.spheres[i as usize].0, false),
+                Item::Disk(i) => line.cross_disk(&geometry.disks[i as usize].0, false),
+                Item::Instance(i) => {
+                    let placed = &geometry.placed[i as usize];
+                    if let Some(shared) = &geometry.shared[placed.mesh as usize] {
+                        let line = line.transformed(&placed.to_object);
+                        shared
+                            .bvh
+                            .walk(&line.chord(), &mut UponTriangles { shared, line, item: slot, found });
+                    }
+                    f64::INFINITY
+                }
+            };
+            if s < f64::INFINITY {
+                found.push(PrimitiveId { item: slot, triangle: 0 });
+            }
+        }
+        1.0
+    }
+
+    fn prefetch(&self, _: usize) {}
+}
+
+/// All triangles of a placed mesh that a short line meets.
+struct UponTriangles<'a> {
+    shared: &'a SharedMesh,
+    /// In the mesh's own coordinates.
+    line: Line,
+    item: u32,
+    found: &'a mut Vec<PrimitiveId>,
+}
+
+impl Visitor for UponTriangles<'_> {
+    fn leaf(&mut self, number: usize) -> f64 {
+        for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
+            let triangle = self.shared.triangles.get(slot as usize);
+            if self.line.cross_triangle(&triangle, false) < f64::INFINITY {
+                self.found.push(PrimitiveId { item: self.item, triangle: slot });
+            }
+        }
+        1.0
+    }
+
+    fn prefetch(&self, _: usize) {}
+}
