@@ -18,7 +18,9 @@ use warpfront::light::{
 };
 use warpfront::scene::{Baked, SpacetimeKind};
 use warpfront::shade::dielectric::fresnel;
-use warpfront::shade::{Environment, Incidence, LatLong, Lobe, Material, Media, Sampler, evaluate, scatter};
+use warpfront::shade::{
+    Crossing, Environment, Incidence, LatLong, Lobe, Material, Media, Sampler, evaluate, scatter,
+};
 use warpfront::spacetime::Schwarzschild;
 use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, Run, shoot};
@@ -55,6 +57,7 @@ fn incidence(random: &mut Random, material: usize) -> Incidence {
         shading_normal,
         material: material as u32,
         media: Media::VACUUM,
+        crossing: Crossing::none(Media::VACUUM),
     }
 }
 
