@@ -48,6 +48,17 @@ fn corridor() -> String {
         + &disk(1.0)
 }
 
+/// A round, glowing room with a mirror and a hole.
+fn room_with_a_hole() -> String {
+    hole(DVec3::ZERO, 1.0)
+        + &camera(DVec3::new(0.0, 0.0, 12.0), DVec3::ZERO, 40.0)
+        + &film(64, 48)
+        + &material("lamp", 0.5, 1.0)
+        + "[[material]]\nname = \"mirror\"\nkind = \"mirror\"\n"
+        + &sphere(DVec3::new(3.0, 0.0, 0.0), 1.0, "mirror")
+        + &sphere(DVec3::ZERO, 20.0, "lamp")
+}
+
 fn folder(text: &str) -> Folder {
     Folder::with(&[("scene.toml", text)])
 }
@@ -133,14 +144,7 @@ fn a_picture_in_which_some_pixels_have_no_sample_is_written_and_is_no_success() 
 
 #[test]
 fn what_costs_too_much_for_a_sample_ends_in_time_all_the_same() {
-    let text = hole(DVec3::ZERO, 1.0)
-        + &camera(DVec3::new(0.0, 0.0, 12.0), DVec3::ZERO, 40.0)
-        + &film(64, 48)
-        + &material("lamp", 0.5, 1.0)
-        + "[[material]]\nname = \"mirror\"\nkind = \"mirror\"\n"
-        + &sphere(DVec3::new(3.0, 0.0, 0.0), 1.0, "mirror")
-        + &sphere(DVec3::ZERO, 20.0, "lamp");
-    let place = folder(&text);
+    let place = folder(&room_with_a_hole());
     let costly: [&[&str]; 3] = [
         &["--arc-tolerance", "1e-40"],
         &["--arc-tolerance", "1e-40", "--schedule", "per-pixel"],
@@ -154,6 +158,16 @@ fn what_costs_too_much_for_a_sample_ends_in_time_all_the_same() {
         let said = output.status.code() == Some(1) && stderr(&output).contains("sample");
         assert!(is_whole || said, "{flags:?}: {}", stderr(&output));
     }
+}
+
+#[test]
+fn a_probe_of_rays_that_hardly_end_ends() {
+    let mut scene = scene(&room_with_a_hole());
+    scene.settings.arc_tolerance = Some(1e-40);
+    let started = Instant::now();
+    let probe = warpfront::trace::probe(&scene, &Run::default(), Duration::ZERO);
+    assert!(started.elapsed() < Duration::from_secs(15), "{:?}", started.elapsed());
+    assert!(probe.readings.is_empty());
 }
 
 #[test]

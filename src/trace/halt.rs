@@ -17,11 +17,15 @@ pub struct Halt<'a> {
 }
 
 impl<'a> Halt<'a> {
+    /// Due when `limit` has passed from now on.
+    pub fn after(limit: Duration) -> Self {
+        // A time beyond all clocks is no limit.
+        Self { deadline: Instant::now().checked_add(limit), ..Self::default() }
+    }
+
     /// Due when `cancel` is set or, from now on, `limit` has passed.
     pub fn new(cancel: &'a AtomicBool, limit: Option<Duration>) -> Self {
-        // A time beyond all clocks is no limit.
-        let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
-        Self { cancel: Some(cancel), deadline, has_picture: AtomicBool::new(false) }
+        Self { cancel: Some(cancel), ..limit.map_or_else(Self::default, Self::after) }
     }
 
     /// From now on there is a picture that is worth something.

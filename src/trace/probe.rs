@@ -8,6 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::edges::Edges;
+use super::halt::Halt;
 use super::illumination::{Illumination, LightSummary};
 use super::photons;
 use super::samples::Wanted;
@@ -26,6 +27,8 @@ const NEIGHBOURS: f64 = 64.0;
 const PATHS: (f64, f64) = (256.0, 4096.0);
 /// Time of a turn's paths in the schedule that is set, and in the other, relative to that of the probe.
 const TURN: [f64; 2] = [0.04, 0.015];
+/// Time beyond that of the probe after which a turn is given up.
+const LONGEST: Duration = Duration::from_secs(3);
 /// Photons sent at most: what they cost is proportional to their number.
 const PHOTONS: u32 = 1 << 15;
 /// Columns and rows of a neighbourhood in which edges are looked for.
@@ -65,7 +68,7 @@ pub struct Reading {
     pub edges: f64,
 }
 
-/// Looks for about `limit` at what rendering `scene` by `run` costs; without end for an endless one.
+/// Looks for about `limit` at what rendering `scene` by `run` costs; there may be no readings if its paths take too long.
 pub fn probe(scene: &Baked, run: &Run, limit: Duration) -> Probe {
     with_render_transport(scene, Prober { scene, run, limit })
 }
@@ -90,6 +93,7 @@ impl Prober<'_> {
         let spp = self.scene.settings.spp.min(EDGE_SPP);
         let settings = Settings { spp, ..self.scene.settings.clone() };
         let mut job = Job::new(self.scene, &settings);
+        job.halt = Halt::after(LONGEST.saturating_add(self.limit));
         let learning = learn(&mut job, transport);
         let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
@@ -106,14 +110,13 @@ impl Prober<'_> {
         rayon::broadcast(|_| {
             let turn = || next.fetch_add(1, Ordering::Relaxed);
             // The first turn warms up caches and tells how much a turn can look at.
-            let Reading { wavefront, per_pixel, .. } = turns.take(turn(), [PATHS.0; 2]);
+            let Some(Reading { wavefront, per_pixel, .. }) = turns.take(turn(), [PATHS.0; 2]) else { return };
             let [set, other] = TURN.map(|share| share * self.limit.as_secs_f64());
             let paths = match settings.schedule {
                 Schedule::Wavefront => [set / wavefront, other / per_pixel],
                 Schedule::PerPixel => [other / wavefront, set / per_pixel],
             };
-            loop {
-                let reading = turns.take(turn(), paths);
+            while let Some(reading) = turns.take(turn(), paths) {
                 readings.lock().unwrap_or_else(PoisonError::into_inner).push(reading);
                 if started.elapsed() >= self.limit {
                     break;
@@ -145,8 +148,9 @@ struct Turns<'a, T: Transport> {
 }
 
 impl<T: Transport> Turns<'_, T> {
-    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule.
-    fn take(&self, turn: usize, paths: [f64; 2]) -> Reading {
+    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule; `None` if it
+    /// had to give up.
+    fn take(&self, turn: usize, paths: [f64; 2]) -> Option<Reading> {
         let Self { window, samples, wanted, .. } = *self;
         let lattices = paths.map(|paths| window.lattice(samples, paths));
         // Not the same pixels twice: what they need would be in the caches.
@@ -157,12 +161,13 @@ impl<T: Transport> Turns<'_, T> {
             Schedule::PerPixel => &mut per_pixel,
         };
         let numbers = NEIGHBOURHOODS * turn..NEIGHBOURHOODS * (turn + 1);
-        let found: f64 = numbers.map(|number| look(number, Lattice::ALL).edges(edges, self.scene)).sum();
-        Reading {
-            edges: found / NEIGHBOURHOODS as f64,
-            wavefront: look(2 * turn, lattices[0]).paths(&mut wavefront),
-            per_pixel: look(2 * turn + 1, lattices[1]).paths(&mut per_pixel),
-        }
+        let found: Option<f64> =
+            numbers.map(|number| look(number, Lattice::ALL).edges(edges, self.scene)).sum();
+        Some(Reading {
+            edges: found? / NEIGHBOURHOODS as f64,
+            wavefront: look(2 * turn, lattices[0]).paths(&mut wavefront)?,
+            per_pixel: look(2 * turn + 1, lattices[1]).paths(&mut per_pixel)?,
+        })
     }
 }
 
@@ -220,7 +225,7 @@ impl Look {
     }
 
     /// Seconds that a camera path takes, over the whole picture.
-    fn paths<T: Transport>(&self, worker: &mut Worker<T>) -> f64 {
+    fn paths<T: Transport>(&self, worker: &mut Worker<T>) -> Option<f64> {
         let Window { origin, size } = self.window;
         let Self { lattice, samples, .. } = *self;
         let (x, y) = self.spot((lattice.every.min(size.0), lattice.every.min(size.1)));
@@ -234,14 +239,14 @@ impl Look {
             share: Share::Whole(&none),
         };
         let started = Instant::now();
-        worker.trace(&work, self.wanted);
-        started.elapsed().as_secs_f64() / f64::from(work.paths())
+        worker.trace(&work, self.wanted)?;
+        Some(started.elapsed().as_secs_f64() / f64::from(work.paths()))
     }
 
     /// Seconds for each pixel that edges of lamps take in a neighbourhood: to find them and to look at them closely.
-    fn edges<T: Transport>(&self, worker: &mut Worker<T>, scene: &Baked) -> f64 {
+    fn edges<T: Transport>(&self, worker: &mut Worker<T>, scene: &Baked) -> Option<f64> {
         if !Edges::are_useful(scene) {
-            return 0.0;
+            return Some(0.0);
         }
         let Window { origin, size } = self.window;
         let size = (size.0.min(NEIGHBOURHOOD), size.1.min(NEIGHBOURHOOD));
@@ -249,14 +254,14 @@ impl Look {
         let origin = (origin.0 + x, origin.1 + y);
         let started = Instant::now();
         let (mut edges, spp) = (Edges::default(), scene.settings.spp);
-        worker.refine(&mut edges, (origin, size), pass_of(spp.min(EDGE_SPP) - 1).start);
+        worker.refine(&mut edges, (origin, size), pass_of(spp.min(EDGE_SPP) - 1).start)?;
         let finding = started.elapsed().as_secs_f64();
         let (first_sample, samples) = (0, EDGE_SAMPLES);
         let work =
             Work { origin, size, lattice: Lattice::ALL, first_sample, samples, share: Share::Whole(&edges) };
         let started = Instant::now();
         if let Some(work) = edges.work(&work) {
-            worker.trace(&work, Wanted::default());
+            worker.trace(&work, Wanted::default())?;
         }
         let looking = started.elapsed().as_secs_f64();
         // Neighbourhoods are searched with a rim of one pixel, as tiles are.
@@ -264,6 +269,6 @@ impl Look {
         let less = rim(TILE) * rim(TILE) / (rim(size.0) * rim(size.1));
         let probed = f64::from(Edges::probes(spp)) / f64::from(Edges::probes(spp.min(EDGE_SPP)));
         let spp = f64::from(spp);
-        (finding * less * probed + looking * spp / f64::from(samples)) / (size.0 * size.1) as f64
+        Some((finding * less * probed + looking * spp / f64::from(samples)) / (size.0 * size.1) as f64)
     }
 }
