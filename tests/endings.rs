@@ -42,7 +42,7 @@ fn corridor() -> String {
     };
     "[render]\nmax_depth = 65535\n[environment]\ncolor = 1\n".to_owned()
         + "[[material]]\nname = \"mirror\"\nkind = \"mirror\"\nalbedo = 1\n"
-        + "[camera]\nposition = [0, 0, 5]\ndirection = [0, 0, -1]\nvertical_fov = 60\n"
+        + "[camera]\nposition = [0, 0, 5.5]\ndirection = [0, 0, -1]\nvertical_fov = 60\n"
         + "[film]\nwidth = 32\nheight = 96\nfilter = \"box\"\n"
         + &disk(-1.0)
         + &disk(1.0)

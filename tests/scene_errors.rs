@@ -170,7 +170,7 @@ fn values_without_meaning_show_their_line() {
         ("width = 64", "width = -64", "invalid value"),
         ("width = 64\nheight = 48", "width = 65536\nheight = 65536", "too large"),
         ("spp = 4", "spp = 0", "spp must be between 1 and 2147483648, not 0"),
-        ("spp = 4", "spp = 99999999999", "invalid value"),
+        ("spp = 4", "spp = 99999999999", "spp must be between 1 and 2147483648, not 99999999999"),
         ("spp = 4", "max_depth = 0", "max_depth must be between 1 and 65535"),
         ("spp = 4", "max_depth = 65536", "max_depth must be between 1 and 65535"),
         ("spp = 4", "tolerance = 0", "tolerance must be between 0 and 1"),
