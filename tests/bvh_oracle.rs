@@ -214,3 +214,26 @@ fn a_straight_arc_cut_into_any_number_of_segments_first_meets_what_the_whole_one
         }
     }
 }
+
+#[test]
+fn hierarchies_over_equal_touching_and_nested_faces_take_time_in_proportion() {
+    const COUNT: usize = 20_000;
+    let folder = tempfile::tempdir().unwrap();
+    let pairs: String = (0..=COUNT).map(|i| format!("v {i} 0 0\nv {i} 1 0\n")).collect();
+    let strip = (0..COUNT).map(|i| 2 * i + 1).map(|i| format!("f {i} {} {} {}\n", i + 2, i + 3, i + 1));
+    let strip = pairs.clone() + &strip.collect::<String>();
+    let copies = "v 1000 0 0\nv 1001 0 0\nv 1001 1 0\nv 1000 1 0\n".to_owned() + &"f 1 2 3 4\n".repeat(COUNT);
+    let nested = (0..COUNT).map(|i| 1.0 + i as f64 / COUNT as f64).map(|size| {
+        format!(
+            "v -{size} -{size} 0\nv {size} -{size} 0\nv {size} {size} 0\nv -{size} {size} 0\nf -4 -3 -2 -1\n"
+        )
+    });
+    for (name, text) in [("strip.obj", strip), ("copies.obj", copies), ("nested.obj", nested.collect())] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let started = std::time::Instant::now();
+        let scene = warpfront::scene::load(&path, &[]).unwrap();
+        assert_eq!(scene.geometry.counts().triangles, 2 * COUNT, "{name}");
+        assert!(started.elapsed().as_secs_f64() < 4.0, "{name}: {:.1?}", started.elapsed());
+    }
+}

@@ -5,12 +5,14 @@ pub mod exr;
 mod files;
 mod gltf;
 mod image;
+mod mean_color;
 mod memory;
 mod model;
 mod mtl;
 mod notes;
 mod obj;
 mod primaries;
+mod statements;
 mod tidy;
 
 pub use error::{AssetError, Flaw};

@@ -1,81 +1,294 @@
-//! Material libraries of OBJ files.
+//! Material libraries of OBJ files, parsed by `tobj` statement by statement as far as each can be read.
 
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
+use super::error::Flaw;
 use super::files::Files;
+use super::mean_color::MeanColors;
 use super::notes::Notes;
+use super::statements::{Statement, Statements};
 use crate::shade::{Lobe, Material};
+use crate::text;
 
+/// Albedo of a material that does not say.
+const ALBEDO: f32 = 0.8;
 /// Opacity (`d`) below which a material without `illum` counts as glass.
 const GLASS_OPACITY: f32 = 0.5;
 /// Index of refraction of glass that does not say.
 const GLASS_IOR: f32 = 1.5;
+/// Largest emission, as in scene files.
+const BRIGHTEST: f32 = 1e18;
 
-/// Reads a material library; one that cannot be read is a warning, and its materials become the default.
-pub(super) fn load(path: &Path, files: &Files, notes: &mut Notes) -> tobj::MTLLoadResult {
-    let name = path.display().to_string();
-    let bytes = files.read(path).map_err(|error| {
-        notes.add("material library not read, the default material is used", format!("{name} ({error})"));
-        tobj::LoadError::OpenFileFailed
-    })?;
-    let text = screened(&String::from_utf8_lossy(&bytes), notes);
-    tobj::load_mtl_buf(&mut Cursor::new(text)).inspect_err(|error| {
-        notes.add("material library malformed, the default material is used", format!("{name} ({error})"));
-    })
+/// The materials of all libraries of a file.
+#[derive(Default)]
+pub(super) struct Libraries {
+    /// The nearest materials that the tracer has.
+    pub materials: Vec<Material>,
+    /// What was approximated or ignored, one line each.
+    pub warnings: Vec<String>,
+    /// Index of each material, by its name; the last one of several.
+    names: HashMap<String, usize>,
+    /// The same by names without what may be a comment.
+    short_names: HashMap<String, usize>,
+    /// Libraries that were read.
+    read: HashSet<PathBuf>,
+    pictures: MeanColors<PathBuf>,
 }
 
-/// The text with each colour given by three numbers, which is all that `tobj` reads (it panics on fewer).
-///
-/// One number means grey; spectral and CIE XYZ colours are ignored.
-fn screened(text: &str, notes: &mut Notes) -> String {
-    let mut screened = String::with_capacity(text.len());
-    for (index, line) in text.lines().enumerate() {
-        let mut words = line.split_whitespace();
-        let keyword = words.next().unwrap_or_default();
-        if ["Ka", "Kd", "Ks", "Ke"].contains(&keyword) {
-            let numbers: Vec<&str> = words.take_while(|word| word.parse::<f32>().is_ok()).collect();
-            match numbers.as_slice() {
-                [grey] => screened.push_str(&format!("{keyword} {grey} {grey} {grey}")),
-                [r, g, b, ..] => screened.push_str(&format!("{keyword} {r} {g} {b}")),
-                _ => notes.add("colours that are not RGB are ignored; line", (index + 1).to_string()),
-            }
-        } else {
-            screened.push_str(line);
+impl Libraries {
+    /// Reads the libraries that a `mtllib` statement names; one that cannot be read goes to `notes`.
+    pub fn read(&mut self, names: &str, folder: &Path, files: &Files, notes: &mut Notes) {
+        if names.is_empty() {
+            notes.add("material libraries that cannot be read are left out", "`mtllib` without a name");
         }
-        screened.push('\n');
+        for name in library_names(names, folder) {
+            let path = find(folder, name);
+            // The same file may have many names.
+            if !self.read.insert(std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone())) {
+                continue;
+            }
+            if let Err(error) = self.read_file(&path, files) {
+                notes.add("material libraries that cannot be read are left out", format!("{name} ({error})"));
+            }
+        }
     }
-    screened
+
+    /// The material of a name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        let short = without_comment(name);
+        let found = self.names.get(name).or_else(|| self.short_names.get(name));
+        found.or_else(|| self.names.get(short)).copied()
+    }
+
+    fn read_file(&mut self, path: &Path, files: &Files) -> std::io::Result<()> {
+        let bytes = files.read(path)?;
+        let mut notes = Notes::default();
+        let library = Screened::read(&bytes, &mut notes)?;
+        let (parsed, _) =
+            tobj::load_mtl_buf(&mut Cursor::new(library.text)).map_err(std::io::Error::other)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        for (material, name) in parsed.iter().zip(library.names) {
+            let mut converter =
+                Converter { name: &name, folder, files, pictures: &mut self.pictures, notes: &mut notes };
+            let material = converter.convert(material);
+            let index = self.materials.len();
+            self.materials.push(material);
+            self.short_names.entry(without_comment(&name).to_owned()).or_insert(index);
+            if self.names.insert(name.clone(), index).is_some() {
+                notes.add("materials that are defined again: the last definition counts", name);
+            }
+        }
+        self.warnings.extend(notes.into_lines(&path.display().to_string()));
+        Ok(())
+    }
 }
 
-/// The nearest material that the tracer has.
-///
-/// `illum` 4, 6, 7, 9 (or a low opacity `d`) is a dielectric; 3 and 5 are a mirror of `Ks`; the rest is diffuse `Kd`.
-pub(super) fn convert(material: &tobj::Material, notes: &mut Notes) -> Material {
-    note_ignored(material, notes);
-    let name = &material.name;
-    let mut unit = |colour: Option<[f32; 3]>, default: f32| {
-        let colour = colour.map_or(Vec3::splat(default), Vec3::from);
+/// The names on a `mtllib` line: all of it if there is such a file, else files with blanks in their names that end with
+/// `.mtl`, else words.
+fn library_names<'a>(line: &'a str, folder: &Path) -> Vec<&'a str> {
+    let is_file = |name: &str| is_file(&find(folder, name));
+    if is_file(line) {
+        return vec![line];
+    }
+    let line = without_comment(line);
+    let (mut names, mut start) = (Vec::new(), 0);
+    let is_suffix = |end: usize| {
+        let suffix = end.checked_sub(4).and_then(|at| line.get(at..end));
+        suffix.is_some_and(|suffix| suffix.eq_ignore_ascii_case(".mtl"))
+    };
+    let ends = line.match_indices(char::is_whitespace).map(|(at, _)| at).chain([line.len()]);
+    for end in ends.filter(|end| is_suffix(*end) || *end == line.len()) {
+        let name = line.get(start..end).unwrap_or_default().trim_start();
+        if is_file(name) {
+            names.push(name);
+        } else {
+            names.extend(name.split_whitespace());
+        }
+        start = end;
+    }
+    names
+}
+
+/// Where a file of this name is: in the folder, by a path of Windows, or by its name alone; the first if nowhere.
+fn find(folder: &Path, name: &str) -> PathBuf {
+    let name = name.trim_matches('"');
+    let slashes = name.replace('\\', "/");
+    let alone = slashes.rsplit('/').next().unwrap_or_default();
+    let places = [name, &slashes, alone].map(|name| folder.join(name));
+    let found = places.iter().find(|path| is_file(path));
+    found.or(places.first()).cloned().unwrap_or_default()
+}
+
+/// Whether there is something by this name that is no folder.
+fn is_file(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|file| !file.is_dir())
+}
+
+/// A name up to a blank and a `#`.
+fn without_comment(name: &str) -> &str {
+    let mut before = name.match_indices('#').map(|(at, _)| name.get(..at).unwrap_or_default());
+    before.find(|before| before.ends_with(char::is_whitespace)).map_or(name, str::trim_end)
+}
+
+/// The statements of a library that `tobj` can read (it refuses the whole library, or panics, at others), each
+/// material named by its number.
+#[derive(Default)]
+struct Screened {
+    text: String,
+    /// The materials' own names.
+    names: Vec<String>,
+}
+
+impl Screened {
+    fn read(bytes: &[u8], notes: &mut Notes) -> std::io::Result<Self> {
+        let mut screened = Self::default();
+        let mut statements = Statements::new(bytes);
+        while let Some(statement) = statements.next()? {
+            screened.add(&statement, notes);
+        }
+        Ok(screened)
+    }
+
+    fn add(&mut self, statement: &Statement, notes: &mut Notes) {
+        let Statement { line, keyword, name } = *statement;
+        if keyword == "newmtl" {
+            if name.is_empty() {
+                notes.add("materials without a name cannot be used, in line", line.to_string());
+            }
+            let _ = writeln!(self.text, "newmtl {}", self.names.len());
+            self.names.push(name.to_owned());
+            return;
+        }
+        let Some(material) = self.names.last() else {
+            notes.add("statements before the first `newmtl` are left out, in line", line.to_string());
+            return;
+        };
+        let values = match keyword {
+            "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
+            "Ns" | "Ni" | "d" => first::<f32>(statement.values()),
+            "illum" => first::<u8>(statement.values()),
+            "map_Kd" | "map_Ke" => Some(name.to_owned()).filter(|name| !name.is_empty()),
+            _ => {
+                notes.add(format!("`{}` is ignored, in material", text::quoted(keyword)), material);
+                return;
+            }
+        };
+        match values {
+            Some(values) => {
+                // Writing to a string cannot fail.
+                let _ = writeln!(self.text, "{keyword} {values}");
+            }
+            None => {
+                let kind = "statements that cannot be read are left out, in line";
+                notes.add(kind, format!("{line}: `{}`", format!("{keyword} {name}").trim_end()));
+            }
+        }
+    }
+}
+
+/// Three numbers; one means grey, spectral and CIE XYZ colours are none.
+fn colour(values: &str) -> Option<String> {
+    let numbers: Vec<&str> =
+        values.split_whitespace().take_while(|word| word.parse::<f32>().is_ok()).take(3).collect();
+    match numbers.as_slice() {
+        [grey] if values.split_whitespace().nth(1).is_none() => Some(format!("{grey} {grey} {grey}")),
+        [_, _, _] => Some(numbers.join(" ")),
+        _ => None,
+    }
+}
+
+/// The first word, if it is a number of this type.
+fn first<T: std::str::FromStr>(values: &str) -> Option<String> {
+    let word = values.split_whitespace().next()?;
+    word.parse::<T>().is_ok().then(|| word.to_owned())
+}
+
+/// Turns the materials of one library into the nearest ones that the tracer has.
+struct Converter<'a> {
+    name: &'a str,
+    folder: &'a Path,
+    files: &'a Files,
+    pictures: &'a mut MeanColors<PathBuf>,
+    notes: &'a mut Notes,
+}
+
+impl Converter<'_> {
+    /// `illum` 4, 6, 7, 9 (or else a low opacity `d`) is a dielectric; 3 and 5 are a mirror of `Ks` unless it is black;
+    /// the rest is diffuse `Kd`.
+    fn convert(&mut self, material: &tobj::Material) -> Material {
+        let diffuse = self.tinted("map_Kd", material.diffuse, material.diffuse_texture.as_deref());
+        let specular = material.specular.map_or(Vec3::ZERO, Vec3::from);
+        let lobe = match material.illumination_model {
+            Some(4 | 6 | 7 | 9) => glass(material),
+            Some(3 | 5) if specular.cmpgt(Vec3::ZERO).any() => {
+                Lobe::Mirror { reflectance: self.unit(specular) }
+            }
+            _ if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
+            _ => Lobe::Diffuse { albedo: self.unit(diffuse.unwrap_or(Vec3::splat(ALBEDO))) },
+        };
+        let map = material.unknown_param.get("map_Ke").map(String::as_str);
+        let emission = self.tinted("map_Ke", material.emissive, map).unwrap_or(Vec3::ZERO);
+        Material { lobe, emission: self.bounded(emission), ..Material::default() }
+    }
+
+    /// A colour times the mean of a picture; either may be missing.
+    fn tinted(&mut self, keyword: &str, colour: Option<[f32; 3]>, map: Option<&str>) -> Option<Vec3> {
+        let colour = colour.map(Vec3::from);
+        let mean = map.and_then(|map| self.mean(keyword, map));
+        match (colour, mean) {
+            (Some(colour), Some(mean)) => Some(colour * mean),
+            (colour, mean) => colour.or(mean),
+        }
+    }
+
+    fn mean(&mut self, keyword: &str, map: &str) -> Option<Vec3> {
+        let name = file_name(map);
+        if map.split_whitespace().any(|word| word == "-mm") {
+            self.notes.add(format!("`-mm` of `{keyword}` is ignored, in material"), self.name);
+        }
+        let path = find(self.folder, name);
+        let read = || {
+            let unread = |error| Flaw::new(format!("cannot be read: {error}"), "");
+            self.files.read(&path).map_err(unread)
+        };
+        match self.pictures.of(path.clone(), &self.files.memory(), read) {
+            Ok(mean) => {
+                self.notes.add(format!("`{keyword}` is replaced by its mean colour, in material"), self.name);
+                Some(mean)
+            }
+            Err(problem) => {
+                let kind = format!("pictures of `{keyword}` that cannot be used are ignored");
+                self.notes.add(kind, format!("{name} ({problem})"));
+                None
+            }
+        }
+    }
+
+    /// A colour from 0 to 1.
+    fn unit(&mut self, colour: Vec3) -> Vec3 {
         let clamped = Vec3::select(colour.is_nan_mask(), Vec3::ZERO, colour).clamp(Vec3::ZERO, Vec3::ONE);
         if clamped != colour {
-            notes.add("colours outside 0..1 are clamped", name);
+            self.notes.add("colours outside 0..1 are clamped", self.name);
         }
         clamped
-    };
-    let lobe = match material.illumination_model {
-        Some(4 | 6 | 7 | 9) => glass(material),
-        Some(3 | 5) => Lobe::Mirror { reflectance: unit(material.specular, 1.0) },
-        _ if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
-        _ => Lobe::Diffuse { albedo: unit(material.diffuse, 0.8) },
-    };
-    let emission = material.emissive.map_or(Vec3::ZERO, Vec3::from);
-    let usable = emission.is_finite() && emission.cmpge(Vec3::ZERO).all();
-    if !usable {
-        notes.add("emission that is negative or not finite is ignored", name);
     }
-    Material { lobe, emission: if usable { emission } else { Vec3::ZERO }, ..Material::default() }
+
+    /// An emission that can be computed with.
+    fn bounded(&mut self, emission: Vec3) -> Vec3 {
+        if emission.is_nan() || emission.cmplt(Vec3::ZERO).any() {
+            self.notes.add("emission that is negative or not a number is ignored", self.name);
+            return Vec3::ZERO;
+        }
+        if emission.max_element() > BRIGHTEST {
+            self.notes.add("emission above 1e18 is clamped", self.name);
+        }
+        emission.min(Vec3::splat(BRIGHTEST))
+    }
 }
 
 fn glass(material: &tobj::Material) -> Lobe {
@@ -83,66 +296,176 @@ fn glass(material: &tobj::Material) -> Lobe {
     Lobe::Dielectric { ior, tint: Vec3::ONE }
 }
 
-fn note_ignored(material: &tobj::Material, notes: &mut Notes) {
-    let maps = [
-        ("map_Ka", &material.ambient_texture),
-        ("map_Kd", &material.diffuse_texture),
-        ("map_Ks", &material.specular_texture),
-        ("map_Bump", &material.normal_texture),
-        ("map_Ns", &material.shininess_texture),
-        ("map_d", &material.dissolve_texture),
-    ];
-    let present = maps.iter().filter(|(_, texture)| texture.is_some()).map(|(key, _)| *key);
-    let mut unknown: Vec<&str> = material.unknown_param.keys().map(String::as_str).collect();
-    unknown.sort_unstable();
-    for key in present.chain(unknown) {
-        notes.add(format!("`{key}` is ignored, in material"), &material.name);
+/// The file name behind the options of a map statement, on which but for `-mm` a mean colour does not depend.
+fn file_name(map: &str) -> &str {
+    let mut rest = map.trim();
+    while let Some((option, after)) = rest.split_once(char::is_whitespace) {
+        let most = match option {
+            "-o" | "-s" | "-t" => 3,
+            "-mm" => 2,
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-texres" | "-bm" | "-boost"
+            | "-type" => 1,
+            _ => break,
+        };
+        rest = after.trim_start();
+        for taken in 0..most {
+            let Some((value, after)) = rest.split_once(char::is_whitespace) else { break };
+            if taken > 0 && value.parse::<f32>().is_err() {
+                break;
+            }
+            rest = after.trim_start();
+        }
     }
+    rest
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn convert_text(text: &str) -> (Vec<Material>, Vec<String>) {
+    /// The materials and warnings of a library beside a picture `e.png`, of which one of 64 pixels is white.
+    fn convert_bytes(bytes: &[u8]) -> (Vec<Material>, Vec<String>) {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.mtl"), bytes).unwrap();
+        std::fs::create_dir(folder.path().join("tex")).unwrap();
+        let picture = image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([255 * u8::from(x + y == 0); 3]));
+        picture.save(folder.path().join("tex/e 1.png")).unwrap();
+        let mut libraries = Libraries::default();
         let mut notes = Notes::default();
-        let (materials, _) = tobj::load_mtl_buf(&mut Cursor::new(screened(text, &mut notes))).unwrap();
-        let converted = materials.iter().map(|material| convert(material, &mut notes)).collect();
-        (converted, notes.into_lines("a.mtl"))
+        libraries.read("a.mtl", folder.path(), &Files::default(), &mut notes);
+        assert_eq!(notes.into_lines("a.obj"), Vec::<String>::new());
+        let prefix = format!("{}/", folder.path().display());
+        let warnings = libraries.warnings.iter().map(|line| line.replace(&prefix, "")).collect();
+        (libraries.materials, warnings)
+    }
+
+    fn convert_text(text: &str) -> (Vec<Material>, Vec<String>) {
+        convert_bytes(text.as_bytes())
+    }
+
+    fn lobes(text: &str) -> Vec<Lobe> {
+        let (materials, warnings) = convert_text(text);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        materials.iter().map(|material| material.lobe).collect()
     }
 
     #[test]
     fn illumination_models_choose_the_lobe() {
-        let (materials, warnings) = convert_text(
-            "newmtl m\nillum 3\nKs .9 .8 .7\nnewmtl g\nillum 7\nNi 1.3\nnewmtl t\nd 0.1\nnewmtl d\nKd .1 .2 .3\nillum 2\n",
-        );
-        let lobes: Vec<Lobe> = materials.iter().map(|material| material.lobe).collect();
-        assert_eq!(
-            lobes,
-            [
-                Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) },
-                Lobe::Dielectric { ior: 1.3, tint: Vec3::ONE },
-                Lobe::Dielectric { ior: 1.5, tint: Vec3::ONE },
-                Lobe::Diffuse { albedo: Vec3::new(0.1, 0.2, 0.3) },
-            ]
-        );
-        assert!(warnings.is_empty(), "{warnings:?}");
+        let text = "newmtl m\nillum 3\nKs .9 .8 .7\nnewmtl g\nillum 7\nNi 1.3\nnewmtl t\nd 0.1\nnewmtl d\nKd .1 .2 .3\nillum 2\n";
+        let expected = [
+            Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) },
+            Lobe::Dielectric { ior: 1.3, tint: Vec3::ONE },
+            Lobe::Dielectric { ior: 1.5, tint: Vec3::ONE },
+            Lobe::Diffuse { albedo: Vec3::new(0.1, 0.2, 0.3) },
+        ];
+        assert_eq!(lobes(text), expected);
+        assert_eq!(lobes(&text.replace('\n', "\r")), expected);
+        assert_eq!(lobes(&format!("\u{feff}{}", text.replace('\n', "\r\n"))), expected);
+    }
+
+    #[test]
+    fn a_mirror_that_reflects_nothing_is_diffuse() {
+        let red = Lobe::Diffuse { albedo: Vec3::X };
+        assert_eq!(lobes("newmtl a\nillum 3\nKd 1 0 0\nnewmtl b\nKd 1 0 0\nKs 0 0 0\nillum 5"), [red, red]);
     }
 
     #[test]
     fn ignored_maps_and_odd_colours_are_said_once_each() {
         let (materials, warnings) = convert_text(
-            "newmtl a\nmap_Kd a.png\nKd 2 0 0\nKe spectral x.rfl\nPr 0.5\nnewmtl b\nmap_Kd b.png\n",
+            "newmtl a\nmap_Ks a.png\nKd 2 0 0\nKe spectral x.rfl\nPr 0.5\nnewmtl b\nmap_Ks b.png\n",
         );
         assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::X });
         assert_eq!(
             warnings,
             [
-                "a.mtl: colours that are not RGB are ignored; line: 4",
-                "a.mtl: `map_Kd` is ignored, in material: a, b",
+                "a.mtl: `map_Ks` is ignored, in material: a, b",
+                "a.mtl: statements that cannot be read are left out, in line: 4: `Ke spectral x.rfl`",
                 "a.mtl: `Pr` is ignored, in material: a",
                 "a.mtl: colours outside 0..1 are clamped: a",
             ]
         );
+    }
+
+    #[test]
+    fn one_odd_statement_costs_itself_and_not_the_library() {
+        for odd in [
+            "illum",
+            "illum 2.0",
+            "illum -1",
+            "illum 999",
+            "Ni 1,45",
+            "Ni",
+            "Ns none",
+            "d -halo 0.5",
+            "map_Kd",
+            "Kd 1 1",
+            "Kd 0,5 0,5 0,5",
+            "Kd 1 1 x",
+            "Kd",
+            "Ks xyz 1 1 1",
+            "Ke -1.#IND 0 0",
+            "map_Ke ",
+        ] {
+            let (materials, warnings) =
+                convert_text(&format!("newmtl wall\nKd 1 1 1\n{odd}\nnewmtl lamp\nKd 0 0 0\nKe 1 1 1\n"));
+            let shown = odd.trim_end();
+            let said = format!("a.mtl: statements that cannot be read are left out, in line: 3: `{shown}`");
+            assert_eq!(warnings, [said], "{odd}");
+            assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::ONE }, "{odd}");
+            assert_eq!(materials[1].emission, Vec3::ONE, "{odd}");
+        }
+    }
+
+    #[test]
+    fn statements_without_a_material_and_materials_without_a_name_are_said() {
+        let (materials, warnings) = convert_text("Kd 1 0 0\nnewmtl\nKd 0 1 0\nnewmtl a\nKd 0 0 1\n");
+        assert_eq!(materials[1].lobe, Lobe::Diffuse { albedo: Vec3::Z });
+        assert_eq!(
+            warnings,
+            [
+                "a.mtl: statements before the first `newmtl` are left out, in line: 1",
+                "a.mtl: materials without a name cannot be used, in line: 2",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_picture_counts_as_its_mean_colour_times_kd_or_ke() {
+        let (materials, warnings) = convert_text(
+            "newmtl a\nKd 1 1 .5\nmap_Kd -s 1 1 1 -o 0 0 -clamp on tex\\e 1.png\n\
+             newmtl b\nKd 0 0 0\nKe 64 64 64\nmap_Ke tex/e 1.png\nmap_Kd C:\\gone\\x.png\nnewmtl c\nmap_Kd tex/e 1.png\n",
+        );
+        let mean = 1.0 / 64.0;
+        assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::new(mean, mean, mean / 2.0) });
+        assert_eq!(materials[1].emission, Vec3::ONE);
+        assert_eq!(materials[2].lobe, Lobe::Diffuse { albedo: Vec3::splat(mean) });
+        assert_eq!(warnings[0], "a.mtl: `map_Kd` is replaced by its mean colour, in material: a, c");
+        assert!(warnings[1].starts_with(
+            "a.mtl: pictures of `map_Kd` that cannot be used are ignored: C:\\gone\\x.png (cannot be read"
+        ));
+        assert_eq!(warnings[2], "a.mtl: `map_Ke` is replaced by its mean colour, in material: b");
+    }
+
+    #[test]
+    fn emission_is_bounded() {
+        let (materials, warnings) = convert_text(
+            "newmtl a\nKe 1e39 1 0\nnewmtl b\nKe -1 0 0\nnewmtl c\nKe nan 0 0\nnewmtl d\nKe 1e18 0 0",
+        );
+        let emission: Vec<Vec3> = materials.iter().map(|material| material.emission).collect();
+        assert_eq!(emission, [Vec3::new(1e18, 1.0, 0.0), Vec3::ZERO, Vec3::ZERO, Vec3::X * 1e18]);
+        assert_eq!(
+            warnings,
+            [
+                "a.mtl: emission above 1e18 is clamped: a",
+                "a.mtl: emission that is negative or not a number is ignored: b, c",
+            ]
+        );
+    }
+
+    #[test]
+    fn very_many_unknown_statements_are_a_few_lines() {
+        let keys: String = (0..100_000).map(|i| format!("k{i} 1\n")).collect();
+        let (_, warnings) = convert_text(&format!("newmtl a\n{keys}"));
+        assert!(warnings.len() < 30, "{}", warnings.len());
     }
 }

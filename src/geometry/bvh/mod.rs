@@ -60,14 +60,15 @@ const FEW: usize = 16;
 impl Bvh {
     /// Builds the hierarchy over `count` boxes, on all threads. A box is (min, max), finite, and within f32's range.
     pub fn build(count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3) + Sync) -> Self {
-        let boxes: Vec<Aabb> = (0..count).into_par_iter().map(|i| outwards(bounds(i))).collect();
+        let mut boxes: Vec<Aabb> = (0..count).into_par_iter().map(|i| outwards(bounds(i))).collect();
         let indices: Vec<u32> = (0..count as u32).collect();
+        let bounds = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
         if count <= FEW {
-            let bounds = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
             let mut order = indices;
             order.resize(count.next_multiple_of(LEAF_SIZE), EMPTY);
             return Self { nodes: Vec::new(), order, len: count, bounds, pending: 1 };
         }
+        break_ties(&mut boxes);
         let params = BvhBuildParams::medium_build();
         let (distance, precision) = (params.ploc_search_distance, params.sort_precision);
         let mut binary = PlocBuilder::with_capacity(count).build(
@@ -81,7 +82,7 @@ impl Bvh {
         ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
         binary.parents = Vec::new();
         let Wide { nodes, order, depth } = Wide::collapse(&binary);
-        Self { nodes, order, len: count, bounds: *binary.nodes[0].aabb(), pending: depth * (WIDTH - 1) }
+        Self { nodes, order, len: count, bounds, pending: depth * (WIDTH - 1) }
     }
 
     /// Box index of each leaf slot, or [`EMPTY`]; leaf after leaf.
@@ -126,6 +127,23 @@ impl Bvh {
             }
         })
     }
+}
+
+/// Widens boxes by different parts of themselves.
+///
+/// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips and
+/// fans of faces) each has the same favourite, and it would join one pair a round.
+fn break_ties(boxes: &mut [Aabb]) {
+    /// Part of its size that a box grows by at most, and of its coordinates, as far as they resolve.
+    const MOST: f32 = 1e-3;
+    const RESOLVED: f32 = 2e-6;
+    /// A sequence in three dimensions whose neighbours differ much (Roberts 2018), as parts of 2³².
+    const STEPS: [u32; 3] = [0xd1b5_4a33, 0xabc9_8388, 0x8cb9_2ba7];
+    boxes.par_iter_mut().enumerate().for_each(|(index, grown)| {
+        let parts = STEPS.map(|step| (index as u32).wrapping_mul(step) as f32 / u32::MAX as f32);
+        let size = (grown.max - grown.min).max_element() * MOST;
+        grown.max += Vec3A::from(parts) * size.max(grown.max.abs().max_element() * RESOLVED);
+    });
 }
 
 /// A walk under way: the thick ray, and what it has still to visit.

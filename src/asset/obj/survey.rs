@@ -1,0 +1,298 @@
+//! First reading of an OBJ file: what `tobj` does not check, with the lines of whatever is wrong, and all that is not
+//! geometry. It computes with any index that it is given, and tells of no statement that it passes over.
+
+use std::io::{self, BufRead};
+use std::path::Path;
+
+use super::cleaned::has_usable_weight;
+use crate::asset::error::Flaw;
+use crate::asset::files::Files;
+use crate::asset::mtl::Libraries;
+use crate::asset::notes::Notes;
+use crate::asset::statements::{Statement, Statements};
+use crate::text;
+
+/// Columns that face corners point into: positions, texture coordinates and normals.
+const NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+const POSITION: usize = 0;
+const TEXTURE: usize = 1;
+const NORMAL: usize = 2;
+
+/// Name of what comes before any object or group, or in one without a name.
+const UNNAMED: &str = "unnamed_object";
+
+/// Statements of free-form curves and surfaces.
+const FREE_FORM: [&str; 22] = [
+    "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end",
+    "con", "vp", "ctech", "stech", "bsp", "bzp", "cdc", "cdp", "res",
+];
+/// Statements without which the surface looks the same: smoothing is by normals, the rest is for other programs.
+const SILENT: [&str; 8] = ["s", "mg", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"];
+
+/// Faces of one object and one material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Section {
+    /// Line of the statement with which it begins; 0 for the file's beginning.
+    pub line: usize,
+    /// Index in [`Survey::objects`].
+    pub object: usize,
+    /// Index of the material in the libraries.
+    pub material: Option<usize>,
+}
+
+/// What a file holds beside its geometry.
+pub(super) struct Survey {
+    /// In the order of the file.
+    pub sections: Vec<Section>,
+    /// Names of objects and groups.
+    pub objects: Vec<String>,
+    /// The material libraries that the file names.
+    pub libraries: Libraries,
+    /// What was passed over.
+    pub notes: Notes,
+    /// Whether vertices have more than three numbers.
+    pub has_long_vertices: bool,
+    /// Whether normals are not made of three finite numbers.
+    pub has_odd_normals: bool,
+    /// How many positions, texture coordinates and normals there are.
+    counts: [i64; 3],
+    /// The largest index of each in this section, and its line.
+    largest: [(i64, usize); 3],
+    /// Corners of faces, and how many of them have a normal.
+    corners: usize,
+    with_normal: usize,
+    /// Whether the last section has faces.
+    has_faces: bool,
+    lines: usize,
+    points: usize,
+}
+
+impl Survey {
+    /// Reads a file to its end; the inner error is what is wrong with it, and where.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn of(
+        mut statements: Statements<impl BufRead>,
+        folder: &Path,
+        files: &Files,
+    ) -> io::Result<Result<Self, Flaw>> {
+        let mut survey = Self {
+            sections: vec![Section { line: 0, object: 0, material: None }],
+            objects: vec![UNNAMED.to_owned()],
+            libraries: Libraries::default(),
+            notes: Notes::default(),
+            has_long_vertices: false,
+            has_odd_normals: false,
+            counts: [0; 3],
+            largest: [(0, 0); 3],
+            corners: 0,
+            with_normal: 0,
+            has_faces: false,
+            lines: 0,
+            points: 0,
+        };
+        while let Some(statement) = statements.next()? {
+            if let Err(flaw) = survey.statement(&statement, folder, files) {
+                return Ok(Err(flaw));
+            }
+        }
+        Ok(survey.finish())
+    }
+
+    /// Whether there are normals, and corners without one.
+    pub fn has_partial_normals(&self) -> bool {
+        self.counts[NORMAL] > 0 && self.with_normal < self.corners
+    }
+
+    fn statement(&mut self, statement: &Statement, folder: &Path, files: &Files) -> Result<(), Flaw> {
+        let line = statement.line;
+        let here = |flaw: Flaw| flaw.at(format!("line {line}"));
+        match statement.keyword {
+            "v" => self.vertex(statement).map_err(here)?,
+            "vt" => self.counts[TEXTURE] += 1,
+            "vn" => self.normal(statement),
+            "f" => self.face(statement).map_err(here)?,
+            "o" | "g" => {
+                self.check_indices("up to the end of their object there are")?;
+                let name = if statement.name.is_empty() { UNNAMED } else { statement.name };
+                self.objects.push(text::quoted(name).into_owned());
+                self.begin(Section { line, object: self.objects.len() - 1, ..self.section() });
+            }
+            "usemtl" => {
+                let material = self.material(statement);
+                if material != self.section().material {
+                    self.check_indices("up to the next material there are")?;
+                    self.begin(Section { line, material, ..self.section() });
+                }
+            }
+            "mtllib" => self.libraries.read(statement.name, folder, files, &mut self.notes),
+            "l" => self.lines += 1,
+            "p" => self.points += 1,
+            keyword if FREE_FORM.contains(&keyword) => {
+                self.notes.add("free-form curves and surfaces are left out, in line", line.to_string());
+            }
+            keyword if SILENT.contains(&keyword) => {}
+            keyword => self.notes.add("statements that are not understood are left out", keyword),
+        }
+        Ok(())
+    }
+
+    fn section(&self) -> Section {
+        self.sections.last().copied().unwrap_or(Section { line: 0, object: 0, material: None })
+    }
+
+    /// Ends the last section, or replaces it if it has no faces.
+    fn begin(&mut self, section: Section) {
+        if !std::mem::take(&mut self.has_faces) {
+            self.sections.pop();
+        }
+        self.sections.push(section);
+    }
+
+    fn material(&mut self, statement: &Statement) -> Option<usize> {
+        if statement.name.is_empty() {
+            self.notes.add("`usemtl` without a name means grey, in line", statement.line.to_string());
+            return None;
+        }
+        let found = self.libraries.find(statement.name);
+        if found.is_none() {
+            self.notes.add("materials that no library before them defines are grey", statement.name);
+        }
+        found
+    }
+
+    fn vertex(&mut self, statement: &Statement) -> Result<(), Flaw> {
+        self.counts[POSITION] += 1;
+        let mut words = statement.values().split_whitespace();
+        for axis in 0..3 {
+            let word = words.next().ok_or_else(|| {
+                Flaw::new(
+                    format!("the vertex has {axis} numbers instead of 3"),
+                    "the file is damaged or cut off; export it again",
+                )
+            })?;
+            check_coordinate(word)?;
+        }
+        if words.next().is_some() {
+            self.has_long_vertices = true;
+            let words: Vec<&str> = statement.values().split_whitespace().take(5).collect();
+            if words.len() == 4 && !has_usable_weight(&words) {
+                let kind = "weights of vertices by which they cannot be divided are left out, in line";
+                self.notes.add(kind, statement.line.to_string());
+            }
+        }
+        Ok(())
+    }
+
+    fn normal(&mut self, statement: &Statement) {
+        self.counts[NORMAL] += 1;
+        if finite_numbers(statement.values()).is_none() {
+            self.has_odd_normals = true;
+            let kind = "normals that are not three finite numbers are replaced, in line";
+            self.notes.add(kind, statement.line.to_string());
+        }
+    }
+
+    fn face(&mut self, statement: &Statement) -> Result<(), Flaw> {
+        let mut count = 0;
+        for corner in statement.values().split_whitespace() {
+            self.corner(corner, statement.line)?;
+            count += 1;
+        }
+        if count < 3 {
+            let kind = "faces with fewer than three corners are left out, in line";
+            self.notes.add(kind, statement.line.to_string());
+        }
+        self.corners += count;
+        self.has_faces = true;
+        Ok(())
+    }
+
+    /// Checks a face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, as far as can be known before the end of its section.
+    fn corner(&mut self, corner: &str, line: usize) -> Result<(), Flaw> {
+        let malformed = || {
+            Flaw::new(
+                format!("`{}` is not a face corner", text::quoted(corner)),
+                "write corners as v, v/vt, v//vn or v/vt/vn",
+            )
+        };
+        for (column, word) in corner.split('/').enumerate() {
+            if word.is_empty() && column > 0 {
+                continue;
+            }
+            let index: i64 = word.parse().map_err(|_| malformed())?;
+            let before = *self.counts.get(column).ok_or_else(malformed)?;
+            if index == 0 || index < -before {
+                if column != TEXTURE {
+                    return Err(out_of_range(column, index, "before it there are", before));
+                }
+                self.lost_texture(line);
+            }
+            self.largest[column] = self.largest[column].max((index, line));
+            self.with_normal += usize::from(column == NORMAL);
+        }
+        Ok(())
+    }
+
+    fn lost_texture(&mut self, line: usize) {
+        let kind = "texture coordinates that the file does not have are left out, in line";
+        self.notes.add(kind, line.to_string());
+    }
+
+    /// Checks the indices of a section at its end, where `tobj` looks them up.
+    fn check_indices(&mut self, known: &str) -> Result<(), Flaw> {
+        for column in [POSITION, NORMAL] {
+            let ((index, line), count) = (self.largest[column], self.counts[column]);
+            if index > count {
+                return Err(out_of_range(column, index, known, count).at(format!("line {line}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Self, Flaw> {
+        self.check_indices("the file has")?;
+        let (index, line) = self.largest[TEXTURE];
+        if index > self.counts[TEXTURE] {
+            self.lost_texture(line);
+        }
+        if self.lines > 0 {
+            self.notes.add("line elements have no surface and are ignored", self.lines.to_string());
+        }
+        if self.points > 0 {
+            self.notes.add("point elements have no surface and are ignored", self.points.to_string());
+        }
+        Ok(self)
+    }
+}
+
+fn out_of_range(column: usize, index: i64, known: &str, count: i64) -> Flaw {
+    let name = NAMES[column];
+    Flaw::new(
+        format!("{name} index {index} is out of range: {known} {count}"),
+        "indices count from 1, or backwards from -1; the file is damaged or cut off",
+    )
+}
+
+fn check_coordinate(word: &str) -> Result<(), Flaw> {
+    let shown = text::quoted(word);
+    match word.parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(()),
+        Ok(_) => Err(Flaw::new(
+            format!("the vertex is not finite: `{shown}`"),
+            "fix the vertex in the modelling program and export again",
+        )),
+        Err(_) => Err(Flaw::new(
+            format!("`{shown}` is not a number"),
+            "write the coordinates as decimal numbers, such as -1.5",
+        )),
+    }
+}
+
+/// Three finite numbers at the beginning of a text.
+pub(super) fn finite_numbers(values: &str) -> Option<[f32; 3]> {
+    let mut words = values.split_whitespace();
+    let mut next = || words.next()?.parse().ok().filter(|number: &f32| number.is_finite());
+    Some([next()?, next()?, next()?])
+}
