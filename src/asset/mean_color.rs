@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::error::Flaw;
-use super::image::decode_texture;
+use super::image::mean_colour;
 use super::memory::Memory;
 
 /// Mean colours of pictures, linear RGB; each picture is decoded once.
@@ -29,12 +29,8 @@ impl<K: Eq + Hash> MeanColors<K> {
         memory: &Memory,
         read: impl FnOnce() -> Result<B, Flaw>,
     ) -> Result<Vec3, String> {
-        let mean = || {
-            let picture = decode_texture(read()?.as_ref(), memory)?;
-            let sum: DVec3 = picture.pixels.iter().map(|pixel| pixel.as_dvec3()).sum();
-            Ok((sum / picture.pixels.len() as f64).as_vec3())
-        };
-        self.known.entry(picture).or_insert_with(|| mean().map_err(|flaw: Flaw| flaw.problem)).clone()
+        let mean = || mean_colour(read()?.as_ref(), memory);
+        self.known.entry(picture).or_insert_with(|| mean().map_err(|flaw| flaw.problem)).clone()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::texture::MeanColours;
+use super::texture::Textures;
 use crate::asset::notes::Notes;
 use crate::shade::{Lobe, Material};
 
@@ -21,7 +21,7 @@ const READ: [&str; 4] = [
 ];
 
 /// The nearest material that the tracer has; what is lost goes to `notes`.
-pub(super) fn convert(material: &gltf::Material, textures: &mut MeanColours, notes: &mut Notes) -> Material {
+pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes: &mut Notes) -> Material {
     let name = name_of(material);
     note_ignored(material, notes, &name);
     let pbr = material.pbr_metallic_roughness();
@@ -48,7 +48,7 @@ fn name_of(material: &gltf::Material) -> String {
 fn mean(
     kind: &str,
     texture: Option<gltf::Texture>,
-    textures: &mut MeanColours,
+    textures: &mut Textures,
     notes: &mut Notes,
     name: &str,
 ) -> Vec3 {
@@ -65,7 +65,7 @@ fn mean(
     }
 }
 
-fn emission(material: &gltf::Material, textures: &mut MeanColours, notes: &mut Notes, name: &str) -> Vec3 {
+fn emission(material: &gltf::Material, textures: &mut Textures, notes: &mut Notes, name: &str) -> Vec3 {
     let factor = Vec3::from(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
     if factor == Vec3::ZERO {
         return Vec3::ZERO;

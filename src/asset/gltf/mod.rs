@@ -22,7 +22,7 @@ use super::model::{Lens, Model, Node, Part};
 use super::notes::Notes;
 use buffers::Buffers;
 use gltf::json::validation::Checked;
-use texture::MeanColours;
+use texture::Textures;
 
 /// Width over height of pictures that somebody may want.
 const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
@@ -73,7 +73,7 @@ impl Import {
         let gltf = container::open(bytes)?;
         validate::check(gltf.document.as_json())?;
         let buffers = Buffers::read(&gltf, folder, files)?;
-        let (notes, mut textures) = (&mut self.notes, MeanColours::new(&gltf, &buffers));
+        let (notes, mut textures) = (&mut self.notes, Textures::new(&gltf, &buffers));
         let materials = gltf.materials().map(|material| material::convert(&material, &mut textures, notes));
         self.model.materials = materials.collect();
         self.nodes(&gltf, &buffers)?;

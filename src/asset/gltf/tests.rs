@@ -478,7 +478,7 @@ fn images_of_one_source_are_decoded_once() {
     let gltf = container::open(std::fs::read(&path).unwrap()).unwrap();
     let opened = crate::asset::Files::default();
     let buffers = Buffers::read(&gltf, files.folder.path(), &opened).unwrap();
-    let mut textures = MeanColours::new(&gltf, &buffers);
+    let mut textures = Textures::new(&gltf, &buffers);
     let texture = gltf.textures().next().unwrap();
     assert!(textures.of(&texture).is_err());
     std::fs::remove_file(files.folder.path().join("bad.png")).unwrap();

@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_dented_polygon_of_very_many_corners_becomes_a_fan_and_is_counted() {
-        let place = |i: u32| [i as f32, if i % 2 == 0 { 0.0 } else { 1e5 }, 0.0];
+        let place = |i: u32| [i as f32, if i.is_multiple_of(2) { 0.0 } else { 1e5 }, 0.0];
         let places: Vec<[f32; 3]> = (0..99_999).map(place).collect();
         let vertices: Vec<u32> = (0..99_999).collect();
         let triangles = cut(places.as_flattened(), &vertices, &[99_999]);
