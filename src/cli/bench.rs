@@ -9,10 +9,10 @@ use super::prefixed::{Files, names, with_suffix};
 use super::progress::Meter;
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, memory, overwrite, print, say, say_warnings};
+use super::{Outcome, memory, overwrite, print, say, say_remarks};
 use crate::film::atomic::Output;
 use crate::plot::Figure;
-use crate::scene::{self, Baked, SpacetimeKind};
+use crate::scene::{self, Baked, LoadOptions, SpacetimeKind};
 use crate::study::bench::{Contender, Plan, Point, Race, Refusal, Vary, race};
 use crate::study::report::bench::{Record, growth, race as single, write_csv};
 use crate::trace::Progress;
@@ -27,12 +27,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     let outputs = outputs.transpose()?;
     let path = &args.scene.path;
     let meter = Meter::new(args.meter.progress, format!("loading {}", path.display()), "renders");
-    let options = args.scene.options()?;
+    let options = LoadOptions { size: Some(args.size), ..args.scene.options()? };
     let mut scene = scene::load_with(path, &options)?;
     if let Some((files, json)) = &outputs {
         overwrite::refuse(files.paths().chain([json.path()]), &options.files.opened())?;
     }
-    say_warnings(&scene.warnings);
+    say_remarks(&scene);
     args.apply(&mut scene.settings);
     memory::check_kept((scene.settings.width, scene.settings.height), &options.files.memory())?;
     let (scenes, plan) = plan(args, scene)?;

@@ -35,7 +35,7 @@ pub(super) struct BenchArgs {
     pub(super) rounds: u32,
     /// Size of the pictures in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "320x240", allow_hyphen_values = true)]
-    size: (usize, usize),
+    pub(super) size: (usize, usize),
     /// Samples per pixel [default: 4]
     #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true)]
     spp: Option<u32>,

@@ -14,7 +14,7 @@ use super::units::{bytes, plural, rounded};
 use super::{Outcome, memory, print, print_json, shown};
 use crate::geometry::Counts;
 use crate::light::Punctual;
-use crate::scene::{self, Baked, Schedule, Settings, SpacetimeKind, flag_name};
+use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, SpacetimeKind, flag_name};
 use crate::shade::{Environment, Lobe};
 use crate::study::forecast::Forecast;
 use crate::trace::{Run, probe};
@@ -26,7 +26,8 @@ const PROBE: Duration = Duration::from_secs(1);
 
 /// Prints what a scene holds.
 pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
-    let mut scene = scene::load_with(&args.scene.path, &args.scene.options()?)?;
+    let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
+    let mut scene = scene::load_with(&args.scene.path, &options)?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     let report = Report::of(args.scene.path.display().to_string(), &scene, &run);
@@ -58,6 +59,7 @@ struct Report<'a> {
     /// The faster one; absent where neither surely is.
     #[serde(skip_serializing_if = "Option::is_none")]
     schedule: Option<Schedule>,
+    notes: &'a [String],
     warnings: &'a [String],
 }
 
@@ -133,6 +135,7 @@ impl<'a> Report<'a> {
             schedule: cost.faster().map(|(schedule, _)| schedule),
             cost,
             limits: Limits { time: run.time_limit, noise: run.noise },
+            notes: &scene.notes,
             warnings: &scene.warnings,
         }
     }
@@ -157,6 +160,7 @@ impl<'a> Report<'a> {
             let state = if stage.runs { "runs" } else { "not run" };
             ("stage", format!("{:<10} {state:<8} {}", stage.name, stage.why))
         }));
+        rows.extend(shown(self.notes).map(|note| ("note", note)));
         rows.extend(shown(self.warnings).map(|warning| ("warning", warning)));
         rows.iter().fold(String::new(), |mut text, (label, value)| {
             // Writing to a string cannot fail.

@@ -41,6 +41,7 @@ use clap::{CommandFactory, Parser};
 use serde::Serialize;
 
 use crate::math::simd;
+use crate::scene::Baked;
 use crate::text;
 use args::{Cli, Command};
 use failure::Failure;
@@ -111,9 +112,10 @@ fn say(lines: impl Display) {
     let _ = writeln!(io::stderr(), "{}", text::lines(&lines.to_string()));
 }
 
-/// Says what a scene's files were not understood to the letter for, one line each.
-fn say_warnings(warnings: &[String]) {
-    shown(warnings).for_each(|warning| say(format!("warning: {warning}")));
+/// Says what was decided about a scene, and what its files were not understood to the letter for, one line each.
+fn say_remarks(scene: &Baked) {
+    shown(&scene.notes).for_each(|note| say(format!("note: {note}")));
+    shown(&scene.warnings).for_each(|warning| say(format!("warning: {warning}")));
 }
 
 /// Warnings, each on one line; of very many the first ones and how many more there are.

@@ -2,16 +2,17 @@
 //!
 //! clap puts the flag and the value before these messages; they say what to give instead.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use glam::DVec3;
 
 use crate::film::Aov;
-use crate::scene::{MAX_SEGMENTS, MAX_SPP, MAX_WINDING};
+use crate::scene::{MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Surroundings};
 
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
@@ -185,6 +186,24 @@ pub(super) fn black_hole(text: &str) -> Result<[f64; 4], String> {
         .ok_or_else(|| "give X,Y,Z,RS in scene units with a radius above 0, such as 0,0,0,1".to_owned())
 }
 
+/// Light from infinity: `sky`, `black`, one number or `R,G,B`, or else the name of a picture.
+pub(super) fn surroundings(text: OsString) -> Result<Surroundings, String> {
+    let colour = match text.to_str() {
+        Some("sky") => return Ok(Surroundings::Sky),
+        Some("black") => Some([0.0; 3]),
+        Some(text) => match bound(text) {
+            Ok(grey) => Some([grey; 3]),
+            Err(_) => numbers(text, |part| bound(part).ok()),
+        },
+        None => None,
+    };
+    match colour.map(|colour| DVec3::from(colour).as_vec3()) {
+        None => Ok(Surroundings::Image(PathBuf::from(text))),
+        Some(colour) if colour.max_element() <= 1e18 => Ok(Surroundings::Color(colour)),
+        Some(_) => Err("give radiances of at most 1e18".to_owned()),
+    }
+}
+
 /// A duration such as `90s` or `1h30m`.
 pub(super) fn duration(text: &str) -> Result<Duration, String> {
     humantime::parse_duration(text)
@@ -253,6 +272,8 @@ fn with_extension(text: &OsStr, extensions: &[&str]) -> Result<PathBuf, String> 
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
@@ -277,6 +298,12 @@ mod tests {
         assert_eq!(exposure("-1.5"), Ok(-1.5));
         assert_eq!(exr(OsStr::new("a/b.EXR")), Ok(PathBuf::from("a/b.EXR")));
         assert_eq!(assignment("a.b=c=d"), Ok("a.b=c=d".to_owned()));
+        let around = |text: &str| surroundings(text.into()).unwrap();
+        assert_eq!(around("sky"), Surroundings::Sky);
+        assert_eq!(around("black"), Surroundings::Color(Vec3::ZERO));
+        assert_eq!(around("0.5"), Surroundings::Color(Vec3::splat(0.5)));
+        assert_eq!(around("1, 0.5,2"), Surroundings::Color(Vec3::new(1.0, 0.5, 2.0)));
+        assert_eq!(around("a,b.hdr"), Surroundings::Image("a,b.hdr".into()));
     }
 
     #[test]
@@ -292,6 +319,7 @@ mod tests {
         assert!(["0", "-1", "4294967296", "1.5"].iter().all(|s| count(s).is_err()));
         assert!(["nan", "1e9", "-61"].iter().all(|s| exposure(s).is_err()));
         assert!(["out", "out.png", ".exr", "out.exr/", ""].iter().all(|s| exr(OsStr::new(s)).is_err()));
+        assert!(surroundings("1e19".into()).is_err());
         assert!(["", "key", "=1"].iter().all(|s| assignment(s).is_err()));
     }
 }

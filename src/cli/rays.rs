@@ -8,7 +8,7 @@ use super::args::RaysArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::units::plural;
-use super::{Outcome, overwrite, say, say_warnings};
+use super::{Outcome, overwrite, say, say_remarks};
 use crate::film::atomic::Output;
 use crate::plot::Format;
 use crate::scene;
@@ -22,7 +22,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse([args.output.as_path()], &options.files.opened())?;
     args.accuracy.apply(&mut scene.settings);
-    say_warnings(&scene.warnings);
+    say_remarks(&scene);
     let options = FanOptions {
         count: args.count,
         angle: args.fan.map(f64::to_radians),

@@ -5,21 +5,22 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::Outputs;
 use super::progress::Meter;
-use super::{Outcome, memory, overwrite, say, say_warnings, summary};
-use crate::{scene, trace};
+use super::{Outcome, memory, overwrite, say, say_remarks, summary};
+use crate::scene::{self, LoadOptions};
+use crate::trace;
 
 /// Renders a scene and writes the files.
 pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let interrupt = Interrupt::install();
     let outputs = Outputs::open(&args.output, &args.scene.path)?;
     let meter = Meter::new(args.meter.progress, format!("loading {}", args.scene.path.display()), "paths");
-    let options = args.scene.options()?;
+    let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.opened())?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     memory::check(&scene.settings, &run, &options.files.memory())?;
-    say_warnings(&scene.warnings);
+    say_remarks(&scene);
 
     let asked_spp = scene.settings.spp;
     meter.render(asked_spp, run.time_limit);

@@ -14,6 +14,7 @@ use crate::asset::{Files, Memory};
 use crate::light::Heuristic;
 use crate::scene::{
     Background, Filter, LightSampling, LoadOptions, Precision, SamplerKind, Schedule, Settings, StepperKind,
+    Surroundings,
 };
 use crate::trace::Run;
 
@@ -90,12 +91,29 @@ pub(super) struct ChangeArgs {
     /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units [default: the scene's spacetime]
     #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
     black_hole: Option<[f64; 4]>,
+    /// Light from everywhere around: a picture, R,G,B, `sky` or `black` [default: the scene's]
+    #[arg(long, value_name = "FILE|R,G,B", value_parser = OsStringValueParser::new().try_map(parse::surroundings))]
+    environment: Option<Surroundings>,
+    /// Camera of the scene's models to take, by its name [default: the one of the scene file, or the first]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Factor on the lights of glTF files, from candela to W/sr [default: light_scale in the scene file, or 1/683]
+    #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
+    light_scale: Option<f64>,
 }
 
 impl ChangeArgs {
     /// What is asked of the scene, whose files `files` reads.
     pub(super) fn options(&self, files: Files) -> LoadOptions {
-        LoadOptions { overrides: self.overrides.clone(), black_hole: self.black_hole, files }
+        LoadOptions {
+            overrides: self.overrides.clone(),
+            black_hole: self.black_hole,
+            environment: self.environment.clone(),
+            camera: self.camera.clone(),
+            light_scale: self.light_scale,
+            size: None,
+            files,
+        }
     }
 }
 
@@ -223,6 +241,11 @@ impl AccuracyArgs {
 }
 
 impl SettingArgs {
+    /// The size of the picture, if it is given: by it a camera frames the scene.
+    pub(super) fn size(&self) -> Option<(usize, usize)> {
+        self.size
+    }
+
     /// Puts the flags over what the scene file says.
     pub(super) fn apply(&self, settings: &mut Settings) {
         self.accuracy.apply(settings);

@@ -162,6 +162,7 @@ pub(super) mod tests {
             environment: Environment::Constant(Vec3::ONE),
             settings: Settings::default(),
             warnings: Vec::new(),
+            notes: Vec::new(),
         }
     }
 

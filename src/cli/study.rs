@@ -17,8 +17,8 @@ use super::rays_table::Columns;
 use super::shared_args::distinct;
 use super::table::{Table, line};
 use super::units::plural;
-use super::{Outcome, memory, overwrite, print, say, say_warnings};
-use crate::scene::{self, Baked, StepperKind};
+use super::{Outcome, memory, overwrite, print, say, say_remarks};
+use crate::scene::{self, Baked, LoadOptions, StepperKind};
 use crate::study::ends::{self, Case, Crossing, Exact};
 use crate::study::free::Status;
 use crate::study::report;
@@ -77,11 +77,11 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 
 /// The scene in the size of the study; says what is wrong with it.
 fn load(args: &StudyArgs, path: &Path, outputs: &Files) -> Result<Baked, Failure> {
-    let options = args.changes.options(args.reads.files(path)?);
+    let options = LoadOptions { size: Some(args.size), ..args.changes.options(args.reads.files(path)?) };
     let mut scene = scene::load_with(path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.opened())?;
     memory::check_kept(args.size, &options.files.memory())?;
-    say_warnings(&scene.warnings);
+    say_remarks(&scene);
     (scene.settings.width, scene.settings.height) = args.size;
     Ok(scene)
 }

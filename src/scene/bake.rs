@@ -3,9 +3,12 @@
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
 
+use super::advice;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
 use super::error::Fault;
+use super::hole::place_hole;
+use super::populate::MAX_SIDE;
 use super::squash::squash;
 use super::systems::{
     Bounds, camera, disk_in_world, framing_camera, invertible, is_aimless, light_in_world, primitive_bounds,
@@ -23,7 +26,7 @@ use crate::spacetime::{Chart, Schwarzschild};
 /// A shape that its transform makes singular, elliptic or too large; a light that is too far or too bright, or whose
 /// direction its transform loses; an unusable camera or one behind the horizon; a scene in which there is nothing to
 /// see.
-pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
+pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Baked, Fault> {
     let (mut primitives, shaped) = flatten(&mut world)?;
     warn_of_doubles(&mut world, primitives.drop_doubles());
     if shaped.is_empty() && world.environment.is_black() {
@@ -34,11 +37,21 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
     }
     let boxes = primitive_bounds(&primitives);
     check_extent(&world, &boxes, &shaped)?;
-    let camera = choose_camera(&mut world, &boxes)?;
+    place_hole(&mut world)?;
+    let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
     check_outside_horizon(&world, &camera)?;
     let (punctual, hidden) = lights(&mut world)?;
     world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
-    warn_if_dark(&mut world, &primitives, &punctual);
+    warn_if_dark(&mut world, &primitives, &punctual, &boxes);
+    if world.guesses_light_scale {
+        world.notes.push(
+            "lights of glTF files are divided by 683 lm/W, with which Blender's Lighting Mode Standard multiplies them; \
+             --light-scale 1 takes them as they are"
+                .to_owned(),
+        );
+    }
+    let aspect = world.settings.aspect();
+    world.notes.extend(advice::of_hole(world.spacetime, &camera, aspect, &boxes));
     Ok(Baked {
         spacetime: world.spacetime,
         camera,
@@ -49,6 +62,7 @@ pub(super) fn bake(mut world: World) -> Result<Baked, Fault> {
         environment: world.environment,
         settings: world.settings,
         warnings: world.warnings,
+        notes: world.notes,
     })
 }
 
@@ -168,17 +182,34 @@ fn check_extent(world: &World, boxes: &[(Bounds, u32)], shaped: &[Entity]) -> Re
     }
 }
 
-fn choose_camera(world: &mut World, boxes: &[(Bounds, u32)]) -> Result<Camera, Fault> {
-    if let Some(camera) = camera(world)? {
+fn choose_camera(world: &mut World, wanted: Option<&str>, boxes: &[(Bounds, u32)]) -> Result<Camera, Fault> {
+    if let Some((camera, name, aspect)) = camera(world, wanted)? {
+        if let Some(aspect) = aspect.filter(|_| !world.has_own_size) {
+            shape_picture(world, &name, aspect);
+        }
         return Ok(camera);
     }
-    let aspect = world.settings.width as f64 / world.settings.height as f64;
-    framing_camera(boxes, aspect).ok_or_else(|| {
+    let framed = framing_camera(boxes, world.settings.aspect()).ok_or_else(|| {
         Fault::whole(
             "there is no camera, and nothing to frame one around",
             "add a [camera] with `position`, `look_at` and `vertical_fov`",
         )
-    })
+    })?;
+    world.notes.push("there is no camera, so one frames the whole scene".to_owned());
+    Ok(framed)
+}
+
+/// Gives the picture the shape that its camera is meant for, at the usual height.
+fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
+    let settings = &mut world.settings;
+    let width = (settings.height as f64 * aspect).round().clamp(1.0, MAX_SIDE as f64) as usize;
+    if width != settings.width {
+        settings.width = width;
+        let height = settings.height;
+        world.notes.push(format!(
+            "the picture is {width}x{height} pixels, in the shape of camera `{camera}`; --size WxH changes it"
+        ));
+    }
 }
 
 /// Rays start between the pinhole and the near plane; both must be outside.
@@ -210,18 +241,27 @@ fn warn_of_doubles(world: &mut World, count: usize) {
     }
 }
 
-fn warn_if_dark(world: &mut World, primitives: &Primitives, punctual: &[Punctual]) {
+fn warn_if_dark(world: &mut World, primitives: &Primitives, punctual: &[Punctual], boxes: &[(Bounds, u32)]) {
     let surfaces = primitives
         .spheres
         .iter()
         .map(|(_, surface)| surface)
         .chain(primitives.disks.iter().map(|(_, surface)| surface))
         .chain(primitives.instances.iter().map(|(_, surface)| surface));
-    let lit = surfaces
+    let shines = surfaces
         .filter_map(|surface| world.materials.get(surface.material as usize))
-        .any(|material| material.emits())
-        || punctual.iter().any(Punctual::emits);
-    if !lit && world.environment.is_black() {
+        .any(|material| material.emits());
+    let lit = shines || punctual.iter().any(Punctual::emits);
+    if !world.environment.is_black() {
+        return;
+    }
+    if !lit {
         world.warnings.push("nothing emits light: the picture will be black".to_owned());
+    } else if world.guesses_light_scale && !shines && advice::is_dim(punctual, boxes) {
+        world.warnings.push(
+            "the lights are so weak that the picture will be nearly black; if Blender exported them with Lighting \
+             Mode Unitless, use --light-scale 1"
+                .to_owned(),
+        );
     }
 }

@@ -41,6 +41,8 @@ pub struct Baked {
     pub settings: Settings,
     /// What was read but not understood, one line each.
     pub warnings: Vec<String>,
+    /// What was decided for want of being told, one line each.
+    pub notes: Vec<String>,
 }
 
 /// Arc tolerance beside the size of a pixel, where none is set.

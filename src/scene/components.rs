@@ -55,7 +55,13 @@ pub struct CameraLens {
     pub vertical_fov: f64,
     /// Distance at which rays start, scene units.
     pub near: f64,
+    /// Width over height of the picture that it is meant for.
+    pub aspect: Option<f64>,
 }
+
+/// The Schwarzschild radius of a black hole that is to be here, in entity space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoleMark(pub f64);
 
 /// Byte range of the scene file in which the entity is written.
 #[derive(Clone, Debug, PartialEq, Eq)]

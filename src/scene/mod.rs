@@ -3,6 +3,7 @@
 //! Text → `file` tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
 //! or OBJ file by itself is a scene file with one entity.
 
+mod advice;
 mod bake;
 mod baked;
 mod camera;
@@ -11,6 +12,7 @@ pub mod components;
 mod error;
 mod file;
 mod foreign;
+mod hole;
 mod light;
 mod overrides;
 mod populate;
@@ -20,9 +22,9 @@ mod systems;
 mod text;
 mod world;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 pub use baked::{Baked, SpacetimeKind};
 pub use camera::Camera;
@@ -32,7 +34,8 @@ pub use settings::{
     Settings, StepperKind, flag_name,
 };
 
-use crate::asset::{Files, Memory};
+use crate::asset::{AssetError, Files, Memory, load_image};
+use crate::shade::Environment;
 use error::{Fault, SourceText};
 use populate::Source;
 use world::World;
@@ -47,8 +50,38 @@ pub struct LoadOptions {
     pub overrides: Vec<String>,
     /// A black hole instead of the scene's spacetime: X, Y, Z of its center and its Schwarzschild radius, in scene units.
     pub black_hole: Option<[f64; 4]>,
+    /// Light from infinity instead of the scene's.
+    pub environment: Option<Surroundings>,
+    /// Name of the camera, of several.
+    pub camera: Option<String>,
+    /// Factor on the lights of glTF files, from candela to W/sr and lux to W/m², instead of the scene's.
+    pub light_scale: Option<f64>,
+    /// Width and height of the picture instead of the scene's, pixels.
+    pub size: Option<(usize, usize)>,
     /// Reads the scene's files.
     pub files: Files,
+}
+
+/// Light from infinity, as an option names it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surroundings {
+    /// The built-in sky.
+    Sky,
+    /// The same radiance from everywhere, linear RGB.
+    Color(Vec3),
+    /// A latitude-longitude picture.
+    Image(PathBuf),
+}
+
+impl Surroundings {
+    fn load(&self, options: &LoadOptions, warnings: &mut Vec<String>) -> Result<Environment, AssetError> {
+        Ok(match self {
+            Self::Sky => populate::sky(1.0),
+            Self::Color(Vec3::ZERO) => Environment::Black,
+            Self::Color(colour) => Environment::Constant(*colour),
+            Self::Image(path) => populate::panorama(load_image(path, &options.files)?, 1.0, 0.0, warnings),
+        })
+    }
 }
 
 /// Loads a scene as its file has it, but for the overrides; see [`load_with`].
@@ -86,7 +119,12 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
     };
     let text = edited(path, text, &options.overrides)?;
     let source = SourceText { path, text: &text, on_disk: on_disk.as_deref() };
-    build(&source, options).map_err(|fault| source.locate(fault))
+    let mut warnings = Vec::new();
+    let environment =
+        options.environment.as_ref().map(|given| given.load(options, &mut warnings)).transpose()?;
+    let mut baked = build(&source, environment, options).map_err(|fault| source.locate(fault))?;
+    baked.warnings.append(&mut warnings);
+    Ok(baked)
 }
 
 /// The scene file that a model by itself stands for.
@@ -112,20 +150,45 @@ fn edited(path: &Path, text: String, overrides: &[String]) -> Result<String, Sce
     Ok(document.to_string())
 }
 
-fn build(source: &SourceText, options: &LoadOptions) -> Result<Baked, Fault> {
+fn build(
+    source: &SourceText,
+    environment: Option<Environment>,
+    options: &LoadOptions,
+) -> Result<Baked, Fault> {
     let file = file::parse(source.text)?;
-    let sky_if_dark = source.on_disk.is_none() && file.environment.is_none();
+    let has_environment = environment.is_some() || file.environment.is_some();
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let bare = source.on_disk.is_none().then_some(source.path);
-    let mut world = populate::populate(file, &Source { folder, bare, files: &options.files })?;
+    let mut world = populate::populate(
+        file,
+        &Source { folder, bare, files: &options.files, light_scale: options.light_scale },
+    )?;
     check_memory(&world, &options.files.memory())?;
     if let Some(hole) = options.black_hole {
         replace_spacetime(&mut world, hole)?;
     }
-    if sky_if_dark && !world.emits() {
-        world.environment = populate::sky(1.0);
+    if let Some((width, height)) = options.size {
+        (world.settings.width, world.settings.height) = (width, height);
+        world.has_own_size = true;
     }
-    bake::bake(world)
+    if let Some(environment) = environment {
+        world.environment = environment;
+    }
+    if bare.is_some() && !has_environment {
+        surround_model(&mut world);
+    }
+    bake::bake(world, options.camera.as_deref())
+}
+
+/// Puts a sky around a model in which nothing emits light, and says what is around it.
+fn surround_model(world: &mut World) {
+    let what = if world.emits() {
+        "a model carries no world: the background is black"
+    } else {
+        world.environment = populate::sky(1.0);
+        "nothing in the model emits light, so the built-in sky lights it"
+    };
+    world.notes.push(format!("{what}; --environment takes a picture, R,G,B, sky or black"));
 }
 
 /// Refuses meshes whose search tree would not fit.
@@ -145,6 +208,7 @@ fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(
         ));
     }
     world.spacetime = populate::black_hole(DVec3::new(x, y, z), radius);
+    world.has_own_spacetime = true;
     Ok(())
 }
 

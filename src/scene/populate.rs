@@ -18,13 +18,13 @@ use super::foreign;
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
 use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, SpacetimeKind, bare_name};
-use crate::asset::{Files, load_image};
+use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Environment, LatLong, Lobe, Material};
 
 /// Largest image side, pixels.
-const MAX_SIDE: usize = 1 << 16;
+pub(super) const MAX_SIDE: usize = 1 << 16;
 /// Most pixels in an image.
 const MAX_PIXELS: usize = 1 << 28;
 /// Albedo of a diffuse material that does not say.
@@ -43,6 +43,8 @@ pub(super) struct Source<'a> {
     pub bare: Option<&'a Path>,
     /// Reads them.
     pub files: &'a Files,
+    /// Goes over `light_scale`.
+    pub light_scale: Option<f64>,
 }
 
 impl Source<'_> {
@@ -66,6 +68,8 @@ pub(super) fn populate(file: SceneFile, source: &Source) -> Result<World, Fault>
     };
     let mut world = World::new(spacetime, environment, settings(&file.film, &file.render)?);
     world.warnings = warnings;
+    world.has_own_spacetime = file.spacetime.is_some();
+    world.has_own_size = file.film.width.is_some() || file.film.height.is_some();
     if let Some(table) = file.camera {
         let (placement, lens) = camera(&table)?;
         let entity = world.spawn_authored(table.span(), Some("camera".to_owned()), placement);
@@ -143,13 +147,7 @@ fn environment(
         let degrees = table.rotation.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "rotation"))?;
         let error_at = |error| Fault::Asset { span: image.span(), error };
         let picture = load_image(&source.path(image.get_ref()), source.files).map_err(error_at)?;
-        warnings.extend(picture.warnings);
-        return Ok(Environment::Image(LatLong {
-            width: picture.width,
-            height: picture.height,
-            pixels: picture.pixels.into_iter().map(|pixel| pixel * strength).collect(),
-            from_world: DMat3::from_quat(rotation::about(DVec3::Y, -degrees.to_radians())),
-        }));
+        return Ok(panorama(picture, strength, degrees, warnings));
     }
     match (&table.kind, &table.color, &table.strength) {
         (Some(SkyName::Sky), ..) => Ok(sky(strength)),
@@ -157,6 +155,22 @@ fn environment(
         (None, None, Some(_)) => Ok(Environment::Constant(Vec3::splat(strength))),
         (None, None, None) => Ok(Environment::Black),
     }
+}
+
+/// A picture all around, `degrees` about +Y.
+pub(super) fn panorama(
+    picture: Picture,
+    strength: f32,
+    degrees: f64,
+    warnings: &mut Vec<String>,
+) -> Environment {
+    warnings.extend(picture.warnings);
+    Environment::Image(LatLong {
+        width: picture.width,
+        height: picture.height,
+        pixels: picture.pixels.into_iter().map(|pixel| pixel * strength).collect(),
+        from_world: DMat3::from_quat(rotation::about(DVec3::Y, -degrees.to_radians())),
+    })
 }
 
 /// A clear sky over pale ground.
@@ -283,7 +297,7 @@ fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault>
         Fault::at(span, "the camera looks along its own `up`", help)
     })?;
     let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
-    Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near }))
+    Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near, aspect: None }))
 }
 
 fn material(table: &MaterialTable) -> Result<Material, Fault> {
@@ -320,7 +334,7 @@ fn spawn(
     let table = table.into_inner();
     check_one_shape(&table, span.clone())?;
     check_company(&table)?;
-    let look = look(&table, materials)?;
+    let look = look(&table, materials, source.light_scale)?;
     let placement =
         table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
     let entity = world.spawn_authored(span, table.name, placement);
@@ -416,7 +430,11 @@ fn check_company(table: &EntityTable) -> Result<(), Fault> {
     }
 }
 
-fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Result<Look, Fault> {
+fn look(
+    table: &EntityTable,
+    materials: &HashMap<String, MaterialHandle>,
+    light_scale: Option<f64>,
+) -> Result<Look, Fault> {
     let material = table.material.as_ref().map(|name| {
         materials.get(name.get_ref()).copied().ok_or_else(|| {
             let help = suggestion(name.get_ref(), materials.keys().map(String::as_str))
@@ -425,10 +443,14 @@ fn look(table: &EntityTable, materials: &HashMap<String, MaterialHandle>) -> Res
         })
     });
     let emission = table.emission.as_ref().map(|rgb| check::colour(rgb, "emission"));
-    let scale = table.light_scale.as_ref();
-    let light_scale =
-        scale.map_or(Ok(DEFAULT_LIGHT_SCALE), |s| check::non_negative(s, "light_scale"))? as f32;
-    Ok(Look { material: material.transpose()?, emission: emission.transpose()?, light_scale })
+    let own_scale = table.light_scale.as_ref().map(|scale| check::non_negative(scale, "light_scale"));
+    let light_scale = light_scale.or(own_scale.transpose()?);
+    Ok(Look {
+        material: material.transpose()?,
+        emission: emission.transpose()?,
+        light_scale: light_scale.unwrap_or(DEFAULT_LIGHT_SCALE) as f32,
+        guesses_light_scale: light_scale.is_none(),
+    })
 }
 
 /// The material of a sphere or disk: the named one or the default, with the entity's own emission.

@@ -141,6 +141,13 @@ pub struct Settings {
     pub arc_tolerance_factor: f64,
 }
 
+impl Settings {
+    /// Width over height.
+    pub fn aspect(&self) -> f64 {
+        self.width as f64 / self.height as f64
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {

@@ -128,6 +128,11 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
+    /// Around all boxes.
+    pub fn of_all(boxes: &[(Bounds, u32)]) -> Option<Self> {
+        Self::of(boxes.iter().flat_map(|(bounds, _)| [bounds.min, bounds.max]))
+    }
+
     fn of(points: impl Iterator<Item = DVec3>) -> Option<Self> {
         points.fold(None, |bounds, point| {
             let Bounds { min, max } = bounds.unwrap_or(Bounds { min: point, max: point });
@@ -179,8 +184,12 @@ pub(super) fn primitive_bounds(primitives: &Primitives) -> Vec<(Bounds, u32)> {
     spheres.chain(disks).chain(instances).collect()
 }
 
-/// The camera of the scene file, else the first of its models; `None` if there is none.
-pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
+/// The camera that is wanted by name, else that of the scene file, else the first of its models; `None` if there is
+/// none. With it its name, and the width over height that its picture should have.
+pub(super) fn camera(
+    world: &mut World,
+    wanted: Option<&str>,
+) -> Result<Option<(Camera, String, Option<f64>)>, Fault> {
     let mut found: Vec<(Entity, DAffine3, CameraLens)> = world
         .entities
         .query::<(Entity, &WorldTransform, &CameraLens)>()
@@ -193,20 +202,24 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
         .map(|(entity, ..)| world.name(entity))
         .collect();
     world.warn_of_names("cameras left out, since scales of 0 leave them no direction", &blind);
-    let Some((entity, to_world, lens)) = found.first().copied() else {
+    let names: Vec<String> = found.iter().map(|(entity, ..)| world.name(*entity)).collect();
+    let index = match wanted {
+        Some(wanted) => find_camera(&names, wanted)?,
+        None => 0,
+    };
+    let (Some((entity, to_world, lens)), Some(name)) = (found.get(index).copied(), names.get(index)) else {
         return Ok(None);
     };
-    if world.camera.is_none() && found.len() > 1 {
-        let others: Vec<String> = found.iter().skip(1).map(|(entity, ..)| world.name(*entity)).collect();
-        let used = world.name(entity);
-        world.warnings.push(format!("camera `{used}` is used; ignored: {}", others.join(", ")));
+    if wanted.is_none() && world.camera.is_none() {
+        let used = format!("camera `{name}` is used, the first; --camera NAME takes another; ignored");
+        world.warn_of_names(&used, names.get(1..).unwrap_or_default());
     }
     let forward = to_world.transform_vector3(DVec3::NEG_Z);
     let up = to_world.transform_vector3(DVec3::Y);
     let usable = lens.vertical_fov < PI && is_representable(to_world.translation);
     let camera = Camera::new(to_world.translation, forward, up, lens.vertical_fov, lens.near);
     let camera = camera.filter(|_| usable);
-    camera.map(Some).ok_or_else(|| {
+    camera.map(|camera| Some((camera, name.clone(), lens.aspect))).ok_or_else(|| {
         world.fault(
             entity,
             "the camera's position, direction or field of view is not usable",
@@ -215,9 +228,23 @@ pub(super) fn camera(world: &mut World) -> Result<Option<Camera>, Fault> {
     })
 }
 
+/// Index of the camera with this name: the whole one, or that in its own file.
+fn find_camera(names: &[String], wanted: &str) -> Result<usize, Fault> {
+    let whole = names.iter().position(|name| name == wanted);
+    let own = || names.iter().position(|name| name.rsplit('/').next() == Some(wanted));
+    whole.or_else(own).ok_or_else(|| {
+        let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let help = match names {
+            [] => "the scene has no camera; leave --camera out, and one frames the scene".to_owned(),
+            _ => format!("the cameras of the scene are {listed}"),
+        };
+        Fault::whole(format!("there is no camera `{wanted}`"), help)
+    })
+}
+
 /// A camera that sees the whole bounding ball of `boxes` from the front, a little from the right and above.
 pub(super) fn framing_camera(boxes: &[(Bounds, u32)], aspect: f64) -> Option<Camera> {
-    let Bounds { min, max } = Bounds::of(boxes.iter().flat_map(|(bounds, _)| [bounds.min, bounds.max]))?;
+    let Bounds { min, max } = Bounds::of_all(boxes)?;
     let (middle, radius) = (0.5 * (min + max), 0.5 * (max - min).length());
     let fov = FRAMING_FOV.to_radians();
     let half_angle = (0.5 * fov).min(libm::atan(libm::tan(0.5 * fov) * aspect));

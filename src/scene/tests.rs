@@ -34,7 +34,7 @@ impl Files {
         };
         let mut world = populate::populate(
             file::parse(&text).unwrap(),
-            &Source { folder: self.folder.path(), bare: None, files: &Default::default() },
+            &Source { folder: self.folder.path(), bare: None, files: &Default::default(), light_scale: None },
         )
         .unwrap();
         let (primitives, shaped) = bake::flatten(&mut world).unwrap();
@@ -178,7 +178,7 @@ fn lit_triangle(light: &str) -> String {
 #[test]
 fn a_bare_model_with_a_light_gets_no_sky() {
     let load = |light| load(&Files::new(&[("a.gltf", &lit_triangle(light))]).path("a.gltf"), &[]).unwrap();
-    let baked = load(r#"{ "type": "point" }"#);
+    let baked = load(r#"{ "type": "point", "intensity": 683 }"#);
     assert!(baked.environment.is_black());
     assert_eq!((baked.punctual.len(), baked.warnings.len()), (1, 0), "{:?}", baked.warnings);
     assert!(!load(r#"{ "type": "point", "intensity": 0 }"#).environment.is_black());
@@ -219,6 +219,185 @@ fn model_of(nodes: serde_json::Value) -> String {
             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }],
     })
     .to_string()
+}
+
+fn load_model(nodes: serde_json::Value, options: &LoadOptions) -> Result<Baked, SceneError> {
+    load_with(&Files::new(&[("a.gltf", &model_of(nodes))]).path("a.gltf"), options)
+}
+
+#[test]
+fn the_camera_is_the_first_or_the_one_that_is_named() {
+    let nodes = serde_json::json!([
+        { "mesh": 0 },
+        { "camera": 0, "name": "Front", "translation": [0, 0, 5] },
+        { "camera": 0, "name": "Back", "translation": [0, 0, 9] },
+        { "camera": 0, "name": "Third" },
+    ]);
+    let of = |name: Option<&str>| {
+        load_model(nodes.clone(), &LoadOptions { camera: name.map(str::to_owned), ..LoadOptions::default() })
+    };
+    let first = of(None).unwrap();
+    assert_eq!(first.camera.position.z, 5.0);
+    let expected = "camera `Front` is used, the first; --camera NAME takes another; ignored: `Back`, `Third`";
+    assert_eq!(first.warnings, [expected]);
+    let second = of(Some("Back")).unwrap();
+    assert_eq!((second.camera.position.z, second.warnings.len()), (9.0, 0));
+    let message = of(Some("back")).err().unwrap().to_string();
+    assert!(
+        message.contains("no camera `back`") && message.contains("`Front`, `Back`, `Third`"),
+        "{message}"
+    );
+    let none = load_model(
+        serde_json::json!([{ "mesh": 0 }]),
+        &LoadOptions { camera: Some("x".to_owned()), ..LoadOptions::default() },
+    );
+    assert!(none.err().unwrap().to_string().contains("the scene has no camera"));
+}
+
+#[test]
+fn cameras_of_scene_files_and_of_their_models_go_by_name_too() {
+    let nodes = serde_json::json!([{ "mesh": 0 }, { "camera": 0, "name": "Eye", "translation": [0, 0, 5] }]);
+    let camera = "[camera]\nposition = [0, 0, 3]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n";
+    let entity = "[[entity]]\nname = \"room\"\ngltf = \"a.gltf\"\n";
+    let files = Files::new(&[("a.gltf", &model_of(nodes)), ("a.toml", &format!("{camera}{entity}"))]);
+    for (name, z) in [(None, 3.0), (Some("camera"), 3.0), (Some("room/Eye"), 5.0), (Some("Eye"), 5.0)] {
+        let options = LoadOptions { camera: name.map(str::to_owned), ..LoadOptions::default() };
+        let baked = load_with(&files.path("a.toml"), &options).unwrap();
+        assert_eq!(baked.camera.position.z, z, "{name:?}");
+    }
+}
+
+#[test]
+fn the_cameras_own_shape_is_that_of_the_picture_unless_something_says_its_size() {
+    let nodes = serde_json::json!([{ "mesh": 0 }, { "camera": 0, "name": "Eye", "translation": [0, 0, 5] }]);
+    let size = |options: &LoadOptions| {
+        let baked = load_model(nodes.clone(), options).unwrap();
+        let said = baked.notes.iter().any(|note| note.contains("in the shape of camera `Eye`"));
+        (baked.settings.width, baked.settings.height, said)
+    };
+    assert_eq!(size(&LoadOptions::default()), (240, 480, true));
+    let given = LoadOptions { size: Some((30, 20)), ..LoadOptions::default() };
+    assert_eq!(size(&given), (30, 20, false));
+    let set = LoadOptions { overrides: vec!["film.height=100".to_owned()], ..LoadOptions::default() };
+    assert_eq!(size(&set), (640, 100, false));
+}
+
+#[test]
+fn a_framed_camera_is_said_and_goes_by_the_size_of_the_picture() {
+    let framed = |size| {
+        let options = LoadOptions { size: Some(size), ..LoadOptions::default() };
+        load_model(serde_json::json!([{ "mesh": 0 }]), &options).unwrap()
+    };
+    let (wide, narrow) = (framed((400, 100)), framed((100, 400)));
+    assert!(wide.notes.contains(&"there is no camera, so one frames the whole scene".to_owned()));
+    assert!(narrow.camera.position.length() > 2.0 * wide.camera.position.length());
+}
+
+#[test]
+fn what_is_around_a_model_is_said_and_can_be_chosen() {
+    let dark = serde_json::json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 5] }]);
+    let around = |environment| {
+        let options = LoadOptions { environment, ..LoadOptions::default() };
+        load_model(dark.clone(), &options).unwrap()
+    };
+    let default = around(None);
+    assert!(matches!(default.environment, Environment::Gradient { .. }));
+    assert!(
+        default
+            .notes
+            .iter()
+            .any(|note| note.contains("nothing in the model emits light") && note.contains("--environment"))
+    );
+    let grey = around(Some(Surroundings::Color(Vec3::splat(0.5))));
+    assert_eq!(grey.environment.radiance(DVec3::X), Vec3::splat(0.5));
+    assert!(!grey.notes.iter().any(|note| note.contains("--environment")), "{:?}", grey.notes);
+    assert!(around(Some(Surroundings::Color(Vec3::ZERO))).environment.is_black());
+    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point" }"#))]);
+    let lit = load(&files.path("a.gltf"), &[]).unwrap();
+    assert!(lit.notes.iter().any(|note| note.contains("carries no world")), "{:?}", lit.notes);
+    image::GrayImage::from_pixel(4, 2, image::Luma([255u8])).save(files.path("white.png")).unwrap();
+    let picture = |name: &str| {
+        let environment = Some(Surroundings::Image(files.path(name)));
+        load_with(&files.path("a.gltf"), &LoadOptions { environment, ..LoadOptions::default() })
+    };
+    assert_eq!(picture("white.png").unwrap().environment.radiance(DVec3::X), Vec3::ONE);
+    assert!(picture("gone.png").err().unwrap().to_string().contains("gone.png: cannot be read"));
+}
+
+#[test]
+fn the_factor_on_lights_is_said_and_can_be_chosen() {
+    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 683 }"#))]);
+    let with = |light_scale| {
+        let options = LoadOptions { light_scale, ..LoadOptions::default() };
+        load_with(&files.path("a.gltf"), &options).unwrap()
+    };
+    let (default, own) = (with(None), with(Some(2.0)));
+    assert!((default.punctual[0].peak().x - 1.0).abs() < 1e-6);
+    assert_eq!(own.punctual[0].peak().x, 1366.0);
+    let says = |baked: &Baked| {
+        baked.notes.iter().any(|note| note.contains("683 lm/W") && note.contains("--light-scale"))
+    };
+    assert!(says(&default) && !says(&own));
+    assert!(default.warnings.is_empty(), "{:?}", default.warnings);
+    // Blender's 10 W, exported without its unit.
+    let dim = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 0.8 }"#))]);
+    let warnings = load(&dim.path("a.gltf"), &[]).unwrap().warnings;
+    assert!(warnings[0].contains("Unitless") && warnings[0].contains("--light-scale 1"), "{warnings:?}");
+}
+
+#[test]
+fn an_empty_called_black_hole_places_a_hole_by_its_scale_and_its_property() {
+    let hole = |name: &str, scale: f64, extras: serde_json::Value, options: &LoadOptions| {
+        let nodes = serde_json::json!([
+            { "mesh": 0 },
+            { "camera": 0, "translation": [0, 0, 5] },
+            { "name": name, "scale": [scale, scale, -scale], "translation": [1, 2, -3], "extras": extras },
+        ]);
+        load_model(nodes, options).unwrap()
+    };
+    let plain = LoadOptions::default();
+    let at = |radius| SpacetimeKind::Schwarzschild {
+        center: DVec3::new(1.0, 2.0, -3.0),
+        schwarzschild_radius: radius,
+    };
+    let scaled = hole("BlackHole", 0.25, serde_json::json!({}), &plain);
+    assert_eq!(scaled.spacetime, at(0.25));
+    let note = "`BlackHole` places a black hole of Schwarzschild radius 0.25 at 1,2,-3";
+    assert!(scaled.notes.contains(&note.to_owned()), "{:?}", scaled.notes);
+    let with_extra = serde_json::json!({ "schwarzschild_radius": 0.5 });
+    assert_eq!(hole("blackhole.001", 0.25, with_extra, &plain).spacetime, at(0.125));
+    let given = LoadOptions { black_hole: Some([0.0, 0.0, 0.0, 1.0]), ..LoadOptions::default() };
+    let own = hole("BlackHole", 1.0, serde_json::json!({}), &given);
+    assert_eq!(
+        own.spacetime,
+        SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 }
+    );
+    assert!(own.notes.iter().any(|note| note.contains("`BlackHole` places no hole")), "{:?}", own.notes);
+    let flat = LoadOptions { overrides: vec!["spacetime.kind=flat".to_owned()], ..LoadOptions::default() };
+    assert_eq!(hole("BlackHole", 1.0, serde_json::json!({}), &flat).spacetime, SpacetimeKind::Flat);
+    let none = hole("BlackHole", 1.0, serde_json::json!({ "schwarzschild_radius": 0 }), &plain);
+    assert_eq!(none.spacetime, SpacetimeKind::Flat);
+    assert!(none.warnings.iter().any(|line| line.contains("its radius is 0")), "{:?}", none.warnings);
+}
+
+#[test]
+fn of_several_holes_the_first_counts_and_entities_move_them() {
+    let nodes = serde_json::json!([
+        { "mesh": 0 },
+        { "camera": 0, "name": "Eye", "translation": [0, 0, 5] },
+        { "name": "BlackHole", "translation": [1, 0, 0] },
+        { "name": "BlackHole.001" },
+    ]);
+    let text = "[[entity]]\nname = \"room\"\ngltf = \"a.gltf\"\ntransform = { scale = 0.5, translate = [0, 1, 0] }\n";
+    let files = Files::new(&[
+        ("a.gltf", &model_of(nodes)),
+        ("a.toml", &format!("[environment]\nstrength = 1\n{text}")),
+    ]);
+    let baked = load(&files.path("a.toml"), &[]).unwrap();
+    let center = DVec3::new(0.5, 1.0, 0.0);
+    assert_eq!(baked.spacetime, SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 0.5 });
+    let expected = "there can be only one black hole yet, at `room/BlackHole`; ignored: `room/BlackHole.001`";
+    assert!(baked.warnings.contains(&expected.to_owned()), "{:?}", baked.warnings);
 }
 
 #[test]

@@ -8,7 +8,8 @@ use glam::DAffine3;
 use hecs::Entity;
 
 use super::components::{
-    AuthoredAt, CameraLens, LightShape, LocalTransform, MaterialHandle, MeshHandle, MeshShape, Name, Parent,
+    AuthoredAt, CameraLens, HoleMark, LightShape, LocalTransform, MaterialHandle, MeshHandle, MeshShape,
+    Name, Parent,
 };
 use super::error::Fault;
 use super::{Settings, SpacetimeKind};
@@ -32,8 +33,16 @@ pub(super) struct World {
     pub settings: Settings,
     /// The camera written in the scene file itself.
     pub camera: Option<Entity>,
-    /// One line each.
+    /// Whether the scene file or an option says which spacetime there is.
+    pub has_own_spacetime: bool,
+    /// Whether the scene file or an option says how large the picture is.
+    pub has_own_size: bool,
+    /// Whether lights of a glTF file are scaled without having been told how.
+    pub guesses_light_scale: bool,
+    /// What is lost, one line each.
     pub warnings: Vec<String>,
+    /// What is decided for want of being told, one line each.
+    pub notes: Vec<String>,
     models: HashMap<PathBuf, LoadedModel>,
 }
 
@@ -62,6 +71,8 @@ pub(super) struct Look {
     pub emission: Option<glam::Vec3>,
     /// Factor on the lights: W/sr per candela, W/m² per lux.
     pub light_scale: f32,
+    /// Whether that is the default.
+    pub guesses_light_scale: bool,
 }
 
 impl World {
@@ -75,7 +86,11 @@ impl World {
             environment,
             settings,
             camera: None,
+            has_own_spacetime: false,
+            has_own_size: false,
+            guesses_light_scale: false,
             warnings: Vec::new(),
+            notes: Vec::new(),
             models: HashMap::new(),
         }
     }
@@ -91,10 +106,12 @@ impl World {
         self.materials.get(handle.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Whether any material or light without extent emits light.
+    /// Whether any surface or light without extent emits light.
     pub fn emits(&self) -> bool {
-        let surfaces = self.materials.iter().any(|material| material.emits());
-        surfaces || self.entities.query::<&LightShape>().iter().any(|light| light.0.emits())
+        let meshes = |shape: &MeshShape| shape.0.iter().any(|(_, material)| self.material(*material).emits());
+        self.entities.query::<&MaterialHandle>().iter().any(|material| self.material(*material).emits())
+            || self.entities.query::<&MeshShape>().iter().any(meshes)
+            || self.entities.query::<&LightShape>().iter().any(|light| light.0.emits())
     }
 
     /// Spawns the nodes of a geometry file under `parent`; each file is read once.
@@ -125,6 +142,7 @@ impl World {
             let shape = MeshShape(parts.collect());
             let name = if prefix.is_empty() { node.name.clone() } else { format!("{prefix}/{}", node.name) };
             let light = node.light.map(|light| LightShape(light.scaled(look.light_scale)));
+            self.guesses_light_scale |= light.is_some() && look.guesses_light_scale;
             spawned.push(self.spawn_node(node, name, above, shape, light));
         }
         self.models.insert(path.to_owned(), loaded);
@@ -146,11 +164,14 @@ impl World {
             let _ = self.entities.insert_one(entity, shape);
         }
         if let Some(lens) = node.lens {
-            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0 };
+            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0, aspect: lens.aspect };
             let _ = self.entities.insert_one(entity, lens);
         }
         if let Some(light) = light {
             let _ = self.entities.insert_one(entity, light);
+        }
+        if let Some(radius) = node.hole {
+            let _ = self.entities.insert_one(entity, HoleMark(radius));
         }
         entity
     }

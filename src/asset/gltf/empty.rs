@@ -13,7 +13,8 @@ pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<O
     let is_empty = node.mesh().is_none() && node.camera().is_none() && node.light().is_none();
     if !is_named(name, "blackhole") {
         let is_leaf = node.children().len() == 0 && node.skin().is_none();
-        if is_empty && is_leaf && LIGHTS.iter().any(|light| is_named(name, light)) {
+        let named = name.strip_suffix("_Orientation").unwrap_or(name);
+        if is_empty && is_leaf && LIGHTS.iter().any(|light| is_named(named, light)) {
             notes.add(
                 "there is no light (glTF has no area lights, and others are exported only with Punctual Lights on; \
                  give lamps a mesh that emits) at node",
@@ -42,7 +43,7 @@ pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<O
     }
 }
 
-/// Names that Blender gives to lights.
+/// Names that Blender gives to lights; its older exporters turn them by a child, `Area_Orientation`.
 const LIGHTS: [&str; 7] = ["area", "arealight", "light", "lamp", "point", "spot", "sun"];
 
 /// Whether a name is `plain`, in any case, with separators, or numbered as Blender does it: `Black Hole.001`.

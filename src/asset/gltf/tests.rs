@@ -574,7 +574,7 @@ fn an_empty_called_black_hole_places_a_hole() {
 
 #[test]
 fn lights_that_the_exporter_left_out_are_missed() {
-    for name in ["Area", "Area.001", "Light", "Sun.002", "area light"] {
+    for name in ["Area", "Area.001", "Area_Orientation", "Light", "Sun.002", "area light"] {
         let line = one_line(&with_empty(json!({ "name": name })));
         assert!(line.starts_with("there is no light") && line.ends_with(name), "{line}");
     }
@@ -582,5 +582,23 @@ fn lights_that_the_exporter_left_out_are_missed() {
         [json!({ "name": "Area", "mesh": 0 }), json!({ "name": "Areal" }), json!({ "name": "Pointer" })]
     {
         assert!(load_json(&with_empty(node)).unwrap().warnings.is_empty());
+    }
+}
+
+#[test]
+fn what_is_not_read_may_be_wrong() {
+    let meshes = load_json(&document()).unwrap().meshes;
+    for (pointer, value) in [
+        (
+            "/animations",
+            json!([{ "channels": [{ "sampler": 7, "target": { "path": "odd" } }], "samplers": [] }]),
+        ),
+        ("/samplers", json!([{ "wrapS": 1, "magFilter": 2 }])),
+        ("/skins", json!([{ "joints": [99] }])),
+        ("/bufferViews/0/target", json!(1)),
+        ("/accessors/0/min", json!("low")),
+    ] {
+        let model = load_json(&with(pointer, value)).unwrap_or_else(|error| panic!("{pointer}: {error}"));
+        assert_eq!(model.meshes, meshes, "{pointer}");
     }
 }

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::buffers::{Buffers, ImageSource};
-use crate::asset::image::decode_texture;
+use crate::asset::image::mean_colour;
 
 /// Mean colours of images, linear RGB; each image is decoded once.
 pub(super) struct MeanColours<'a> {
@@ -25,15 +25,10 @@ impl<'a> MeanColours<'a> {
     pub fn of(&mut self, texture: &gltf::Texture) -> Result<Vec3, String> {
         let image = texture.source().and_then(|image| ImageSource::of(self.gltf, &image));
         let image = image.ok_or_else(|| "it has no image of a kind that can be read".to_owned())?;
-        let read =
-            || self.buffers.image(image).and_then(|bytes| decode_texture(&bytes, &self.buffers.memory()));
-        let mean = self.known.entry(image).or_insert_with(|| match read() {
-            Ok(picture) => {
-                let sum: DVec3 = picture.pixels.iter().map(|pixel| pixel.as_dvec3()).sum();
-                Ok((sum / picture.pixels.len() as f64).as_vec3())
-            }
-            Err(flaw) => Err(flaw.problem),
-        });
-        mean.clone()
+        let read = || {
+            let bytes = self.buffers.image(image)?;
+            mean_colour(&bytes, &self.buffers.memory())
+        };
+        self.known.entry(image).or_insert_with(|| read().map_err(|flaw| flaw.problem)).clone()
     }
 }

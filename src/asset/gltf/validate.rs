@@ -13,11 +13,12 @@ const HARMLESS_PREFIXES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_tex
 
 /// Checks the structure of a document.
 ///
-/// Three things that the crate's own validation rejects are let through: required extensions that change only what is
-/// ignored anyway, positions without bounds, and cameras without a lens. The crate's accessors unwrap
+/// What is not read may be wrong: animations, samplers, skins, bounds of accessors, targets of buffer views. Cameras
+/// without a lens and extensions that change only what is ignored anyway are let through as well. Of what is read, the
+/// crate's accessors unwrap
 ///
-/// - enumerations, the keys of attributes, indices of accessors, buffer views, images, lights, materials, meshes,
-///   nodes, samplers, scenes, skins and textures, and the cone of a spot light: which its validation checks;
+/// - enumerations, the keys of attributes, indices of accessors, buffer views, cameras, images, lights, materials,
+///   meshes, nodes, scenes, skins and textures, and the cone of a spot light: which its validation checks;
 /// - `Camera::projection` the lens, and `Image::source` a media type or an address, which nothing checks: both are
 ///   read from the JSON instead.
 pub(super) fn check(root: &Root) -> Result<(), Flaw> {
@@ -34,9 +35,10 @@ pub(super) fn check(root: &Root) -> Result<(), Flaw> {
 }
 
 fn tolerated(path: &str, error: Invalid) -> bool {
-    let bounds = path.ends_with(".min") || path.ends_with(".max");
-    let camera = path.starts_with("cameras[") && path.ends_with(']');
-    error == Invalid::Unsupported || (error == Invalid::Missing && (bounds || camera))
+    let unread = ["animations[", "samplers[", "skins["].iter().any(|start| path.starts_with(start))
+        || [".min", ".max", ".target"].iter().any(|end| path.ends_with(end));
+    let lens = path.starts_with("cameras[") && path.ends_with(']');
+    unread || error == Invalid::Unsupported || (error == Invalid::Missing && lens)
 }
 
 fn check_extensions(root: &Root) -> Result<(), Flaw> {

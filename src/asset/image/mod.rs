@@ -4,7 +4,7 @@ mod hdr;
 mod latlong_exr;
 mod raster;
 
-pub(super) use raster::decode as decode_texture;
+pub(super) use raster::mean as mean_colour;
 
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use super::{Picture, check_size, undecodable};
@@ -32,6 +32,40 @@ pub(super) fn is_known(bytes: &[u8]) -> bool {
 
 /// Decodes a PNG or JPEG file.
 pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
+    let (decoded, transfer) = open(bytes, memory)?;
+    Ok(Picture {
+        width: decoded.width() as usize,
+        height: decoded.height() as usize,
+        pixels: colours(&decoded)
+            .map(|colour| Vec3::from(colour.map(|value| transfer.linear(value))))
+            .collect(),
+        warnings: Vec::new(),
+    })
+}
+
+/// The mean colour of a PNG or JPEG file.
+pub fn mean(bytes: &[u8], memory: &Memory) -> Result<Vec3, Flaw> {
+    let (decoded, transfer) = open(bytes, memory)?;
+    // Values are counted in 16 bits, and made linear once each.
+    let mut counts = vec![[0u64; 3]; 1 << 16];
+    for colour in colours(&decoded) {
+        for (channel, value) in colour.into_iter().enumerate() {
+            let level = (value * f32::from(u16::MAX)).round() as usize;
+            if let Some(count) = counts.get_mut(level).and_then(|counts| counts.get_mut(channel)) {
+                *count += 1;
+            }
+        }
+    }
+    let mut sum = DVec3::ZERO;
+    for (level, counts) in (0u16..).zip(&counts).filter(|(_, counts)| **counts != [0; 3]) {
+        let value = f64::from(transfer.linear(f32::from(level) / f32::from(u16::MAX)));
+        sum += value * DVec3::from(counts.map(|count| count as f64));
+    }
+    Ok((sum / (f64::from(decoded.width()) * f64::from(decoded.height()))).as_vec3())
+}
+
+/// Decodes the samples of a file, and tells what they mean.
+fn open(bytes: &[u8], memory: &Memory) -> Result<(DynamicImage, Transfer), Flaw> {
     // Before the crate sees it, which allocates rows.
     if let Some((width, height)) = png_size(bytes) {
         check_size(width, height, DECODED, memory)?;
@@ -47,16 +81,25 @@ pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
     check_size(width as usize, height as usize, DECODED, memory)?;
     decoder.set_limits(image::Limits::no_limits()).map_err(undecodable)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(undecodable)?;
-    let linear = |value: f32| match gamma {
-        Some(gamma) => libm::powf(value, 1.0 / gamma),
-        None => linear_from_srgb(value),
-    };
-    Ok(Picture {
-        width: width as usize,
-        height: height as usize,
-        pixels: colours(&decoded).map(|colour| Vec3::from(colour.map(linear))).collect(),
-        warnings: Vec::new(),
-    })
+    Ok((decoded, gamma.map_or(Transfer::Srgb, Transfer::Gamma)))
+}
+
+/// How samples stand for light.
+enum Transfer {
+    /// IEC 61966-2-1.
+    Srgb,
+    /// A power, as a PNG file may tell.
+    Gamma(f32),
+}
+
+impl Transfer {
+    fn linear(&self, value: f32) -> f32 {
+        match self {
+            Self::Srgb if value <= 0.04045 => value / 12.92,
+            Self::Srgb => libm::powf((value + 0.055) / 1.055, 2.4),
+            Self::Gamma(gamma) => libm::powf(value, 1.0 / gamma),
+        }
+    }
 }
 
 /// Width and height of a PNG file.
@@ -104,11 +147,6 @@ fn colours(image: &DynamicImage) -> impl Iterator<Item = [f32; 3]> {
     })
 }
 
-/// IEC 61966-2-1.
-fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,6 +186,21 @@ mod tests {
             ImageFormat::Jpeg,
         );
         assert!((first_pixel(&jpeg) - Vec3::ONE).length() < 0.02);
+    }
+
+    #[test]
+    fn the_mean_is_that_of_the_linear_pixels() {
+        let mixed = image::RgbImage::from_fn(16, 16, |x, y| {
+            image::Rgb([(16 * x + y) as u8, 200, 255 * (x % 2) as u8])
+        });
+        let deep = DynamicImage::ImageRgb8(mixed.clone()).to_rgb16();
+        for image in [DynamicImage::ImageRgb8(mixed), DynamicImage::ImageRgb16(deep)] {
+            let bytes = encoded(&image, ImageFormat::Png);
+            let pixels = decode(&bytes, &Memory::default()).unwrap().pixels;
+            let expected = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / 256.0;
+            let mean = mean(&bytes, &Memory::default()).unwrap();
+            assert!((mean.as_dvec3() - expected).length() < 1e-6, "{mean} {expected}");
+        }
     }
 
     #[test]

@@ -55,6 +55,7 @@ pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {
         environment: Environment::Black,
         settings: scene.settings.clone(),
         warnings: Vec::new(),
+        notes: Vec::new(),
     };
     (room, count)
 }

@@ -1,0 +1,127 @@
+//! What is odd about a scene, though nothing is wrong with it: a hole that nobody sees, lights that hardly light.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::systems::Bounds;
+use super::{Camera, SpacetimeKind};
+use crate::light::Punctual;
+
+/// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
+const DIM: f64 = 0.02;
+/// Apparent radius of a hole from afar, in Schwarzschild radii: the critical impact parameter, 3√3/2.
+const SHADOW: f64 = 2.598_076_211_353_316;
+
+/// What is odd about where the hole is: outside of what the surfaces and the camera span, or out of the picture.
+pub(super) fn of_hole(
+    spacetime: SpacetimeKind,
+    camera: &Camera,
+    aspect: f64,
+    boxes: &[(Bounds, u32)],
+) -> Vec<String> {
+    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else {
+        return Vec::new();
+    };
+    let [x, y, z] = center.to_array().map(|value| value as f32);
+    let mut notes = Vec::new();
+    if let Some(bounds) = Bounds::of_all(boxes) {
+        let (min, max) = (bounds.min.min(camera.position), bounds.max.max(camera.position));
+        let outside = center - center.clamp(min, max);
+        if outside.length() > schwarzschild_radius {
+            let [low, high] = [min, max].map(|corner| {
+                let [x, y, z] = corner.to_array().map(|value| value as f32);
+                format!("{x},{y},{z}")
+            });
+            notes.push(format!(
+                "the hole at {x},{y},{z} is outside the scene, which reaches from {low} to {high} (Y is up)"
+            ));
+        }
+    }
+    if is_out_of_view(center, schwarzschild_radius, camera, aspect) {
+        notes.push(format!("the hole at {x},{y},{z} is out of the camera's view"));
+    }
+    notes
+}
+
+/// Whether the hole's shadow, as large as from afar, is beside the picture.
+fn is_out_of_view(center: DVec3, schwarzschild_radius: f64, camera: &Camera, aspect: f64) -> bool {
+    let offset = center - camera.position;
+    let shadow = libm::asin((SHADOW * schwarzschild_radius / offset.length()).min(1.0));
+    let depth = offset.dot(camera.forward);
+    let beyond = |side: f64, tan_half: f64| libm::atan2(side.abs(), depth) - libm::atan(tan_half);
+    let across = beyond(offset.dot(camera.right), camera.tan_half_fov * aspect);
+    let up = beyond(offset.dot(camera.up), camera.tan_half_fov);
+    across.max(up) > shadow
+}
+
+/// Whether no light lights a white surface well, in a scene of these boxes that nothing else lights.
+pub(super) fn is_dim(lights: &[Punctual], boxes: &[(Bounds, u32)]) -> bool {
+    let Some(Bounds { min, max }) = Bounds::of_all(boxes) else {
+        return false;
+    };
+    let (middle, radius) = (0.5 * (min + max), 0.5 * (max - min).length());
+    let radiance = |light: &Punctual| {
+        let peak = f64::from(light.peak().max_element());
+        match light.position() {
+            None => peak / PI,
+            Some(position) => peak / (PI * position.distance(middle).max(0.5 * radius).powi(2)),
+        }
+    };
+    !lights.is_empty() && lights.iter().all(|light| radiance(light) < DIM)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn camera() -> Camera {
+        Camera::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z, DVec3::Y, 0.7, 0.0).unwrap()
+    }
+
+    fn notes(center: DVec3) -> Vec<String> {
+        let hole = SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 0.1 };
+        of_hole(hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
+    }
+
+    #[test]
+    fn a_hole_within_the_scene_and_in_view_is_not_odd() {
+        assert!(notes(DVec3::ZERO).is_empty());
+        assert!(notes(DVec3::new(0.0, 0.0, 2.05)).is_empty(), "between the scene and the camera");
+        assert!(of_hole(SpacetimeKind::Flat, &camera(), 1.0, &[]).is_empty());
+    }
+
+    #[test]
+    fn a_hole_outside_or_out_of_view_is_said() {
+        let beside = notes(DVec3::new(1.9, 0.0, 1.9));
+        assert_eq!(beside, ["the hole at 1.9,0,1.9 is out of the camera's view"]);
+        let behind = notes(DVec3::new(0.0, 0.0, 9.0));
+        assert_eq!(behind.len(), 2, "{behind:?}");
+        let below = notes(DVec3::new(0.0, -2.5, -20.0));
+        assert_eq!(below.len(), 1);
+        assert!(below[0].contains("from -2,-2,-2 to 2,2,5"), "{below:?}");
+        // The middle of the hole is out of the picture, but not its shadow.
+        assert!(notes(DVec3::new(0.0, 1.9, 0.05)).is_empty());
+    }
+
+    #[test]
+    fn lights_are_dim_by_what_they_give_a_white_surface() {
+        let boxes = [(Bounds { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) }, 0)];
+        // Blender's first light: 1000 W, 7 m away.
+        let blender = |scale: f32| Punctual::Point {
+            position: DVec3::new(4.1, 5.9, -1.0),
+            intensity: Vec3::splat(1000.0 * scale * 0.25 * std::f32::consts::FRAC_1_PI),
+        };
+        assert!(!is_dim(&[blender(1.0)], &boxes));
+        assert!(is_dim(&[blender(1.0 / 683.0)], &boxes));
+        assert!(!is_dim(&[blender(1.0 / 683.0), blender(1.0)], &boxes));
+        assert!(!is_dim(&[], &boxes));
+        let sun = |irradiance: f32| Punctual::Distant {
+            direction: DVec3::NEG_Y,
+            irradiance: Vec3::splat(irradiance),
+        };
+        assert!(is_dim(&[sun(1.0 / 683.0)], &boxes) && !is_dim(&[sun(1.0)], &boxes));
+    }
+}
