@@ -32,15 +32,17 @@ use std::time::{Duration, Instant};
 use cap::Cap;
 use corpus::{Corpus, Seed};
 use dice::Dice;
-use warpfront::film::read_exr;
-use warpfront::scene::{Baked, load};
+use warpfront::asset::{Files, Memory};
+use warpfront::film::read_exr_with;
+use warpfront::scene::{Baked, LoadOptions, load_with};
 use warpfront::study::compare::Pair;
 use warpfront::trace::{self, Run};
 
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 
-/// Bytes that a damaged file may take.
+/// Bytes that a damaged file may take, which is told to what reads it, and at which the process ends.
+const ALLOWED_MEMORY: u64 = 512 << 20;
 const MOST_MEMORY: usize = 1 << 30;
 /// Time that a damaged file may take.
 const MOST_TIME: Duration = Duration::from_secs(30);
@@ -129,9 +131,9 @@ impl Case {
     fn attempt(&self, folder: &Path) -> Result<(), String> {
         let path = folder.join("assets").join(&self.main);
         match self.what {
-            Use::Scene => load(&path, &[]).map_or(Ok(()), look),
+            Use::Scene => read(&path),
             Use::Picture => {
-                if let Ok(image) = read_exr(&path)
+                if let Ok(image) = read_exr_with(&path, &files())
                     && let Ok(pair) = Pair::new(("a", &image), ("b", &image))
                 {
                     pair.compare();
@@ -143,11 +145,23 @@ impl Case {
                     self.main
                 );
                 std::fs::write(&scene, text).unwrap();
-                load(&scene, &[]).map_or(Ok(()), look)
+                read(&scene)
             }
             Use::Rays => command(&path, &["trace", "--spacetime", "schwarzschild"]),
             Use::Pairs => command(&path, &["connect"]),
         }
+    }
+}
+
+fn files() -> Files {
+    Files::within(Memory::at_most(Some(ALLOWED_MEMORY)))
+}
+
+/// Loads a scene; renders a few pixels if it is one.
+fn read(path: &Path) -> Result<(), String> {
+    match load_with(path, &LoadOptions { files: files(), ..LoadOptions::default() }) {
+        Ok(scene) => look(scene),
+        Err(_) => Ok(()),
     }
 }
 
