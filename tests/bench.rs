@@ -139,7 +139,7 @@ fn sweeps_measure_the_values_asked_for() {
         ("batch", "8,64", &["8", "64"], |row| number(row, "batch")),
         ("threads", "1,2", &["1", "2"], |row| number(row, "threads")),
         ("pixels", "96,384", &["96", "384"], |row| number(row, "width") * number(row, "height")),
-        ("spp", "1,4,1", &["1", "4"], |row| number(row, "spp")),
+        ("spp", "2,16,2", &["2", "16"], |row| number(row, "spp")),
         ("depth", "1,3", &["1", "3"], |row| number(row, "value")),
         ("radius", "0.5,2", &["0.5", "2"], |row| number(row, "value")),
         ("tolerance", "1e-2,1e-6", &["0.01", "0.000001"], |row| number(row, "value")),
