@@ -55,6 +55,19 @@ fn outputs_never_replace_what_the_scene_is_made_of() {
     assert_eq!(keep("rays.csv"), table.as_bytes());
 }
 
+#[test]
+fn a_preview_does_not_replace_a_texture_even_one_that_is_not_read() {
+    let place = place();
+    let model = r#"{"asset": {"version": "2.0"}, "images": [{"uri": "room%20n.png"}], "textures": [{"source": 0}],
+        "materials": [{"normalTexture": {"index": 0}}], "scene": 0, "scenes": [{"nodes": []}]}"#;
+    fs::write(place.path("room.gltf"), model).unwrap();
+    fs::write(place.path("room n.png"), "a normal map").unwrap();
+    fs::write(place.path("room.toml"), format!("{CAMERA}{SKY}[[entity]]\ngltf = \"room.gltf\"\n")).unwrap();
+    assert_refused(&render(&place, "room.toml", &["-o", "room n.exr"]), &["room n.png"]);
+    assert_eq!(fs::read(place.path("room n.png")).unwrap(), b"a normal map");
+    assert_good(&render(&place, "room.toml", &["-o", "room n.exr", "--no-png"]));
+}
+
 #[cfg(unix)]
 #[test]
 fn an_output_that_links_to_an_input_is_refused() {

@@ -11,7 +11,7 @@ use super::memory::Memory;
 /// Reads the files of a scene, and remembers which they were.
 #[derive(Debug, Default)]
 pub struct Files {
-    opened: Mutex<BTreeSet<PathBuf>>,
+    inputs: Mutex<BTreeSet<PathBuf>>,
     memory: Memory,
     /// Without symbolic links.
     folder: Option<PathBuf>,
@@ -59,9 +59,14 @@ impl Files {
         Ok(bytes)
     }
 
-    /// The files that were opened so far, as they were named.
-    pub fn opened(&self) -> Vec<PathBuf> {
-        self.opened.lock().unwrap_or_else(PoisonError::into_inner).iter().cloned().collect()
+    /// Remembers a file that the scene names, even if nothing in it is needed.
+    pub fn mention(&self, path: &Path) {
+        self.inputs.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+    }
+
+    /// The files that were opened or mentioned so far, as they were named.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.inputs.lock().unwrap_or_else(PoisonError::into_inner).iter().cloned().collect()
     }
 
     fn open_sized(&self, path: &Path) -> io::Result<(File, u64)> {
@@ -78,7 +83,7 @@ impl Files {
             return Err(io::Error::other("it is not a regular file"));
         }
         let file = File::open(&found)?;
-        self.opened.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
+        self.mention(path);
         Ok((file, metadata.len()))
     }
 }
@@ -110,7 +115,9 @@ mod tests {
         #[cfg(unix)]
         assert!(files.read(Path::new("/dev/zero")).unwrap_err().to_string().contains("regular"));
         assert!(files.read(&folder.path().join("b")).is_err());
-        assert_eq!(files.opened(), [path]);
+        assert_eq!(files.inputs(), [path.clone()]);
+        files.mention(Path::new("texture.png"));
+        assert_eq!(files.inputs().len(), 2);
     }
 
     #[test]

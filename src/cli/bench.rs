@@ -30,7 +30,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     let options = LoadOptions { size: Some(args.size), ..args.scene.options()? };
     let mut scene = scene::load_with(path, &options)?;
     if let Some((files, json)) = &outputs {
-        overwrite::refuse(files.paths().chain([json.path()]), &options.files.opened())?;
+        overwrite::refuse(files.paths().chain([json.path()]), &options.files.inputs())?;
     }
     say_remarks(&scene);
     args.apply(&mut scene.settings);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::failure::Failure;
 use super::outputs::same_file;
 
-/// Refuses `outputs` of which one is a file that has been read.
+/// Refuses `outputs` of which one is a file that the scene names.
 pub(super) fn refuse<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     inputs: &[PathBuf],

@@ -20,7 +20,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let output = Output::create(&args.output)?;
     let options = args.scene.options()?;
     let mut scene = scene::load_with(&args.scene.path, &options)?;
-    overwrite::refuse([args.output.as_path()], &options.files.opened())?;
+    overwrite::refuse([args.output.as_path()], &options.files.inputs())?;
     args.accuracy.apply(&mut scene.settings);
     say_remarks(&scene);
     let options = FanOptions {

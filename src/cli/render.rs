@@ -16,7 +16,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     let meter = Meter::new(args.meter.progress, format!("loading {}", args.scene.path.display()), "paths");
     let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
     let mut scene = scene::load_with(&args.scene.path, &options)?;
-    overwrite::refuse(outputs.paths(), &options.files.opened())?;
+    overwrite::refuse(outputs.paths(), &options.files.inputs())?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     memory::check(&scene.settings, &run, &options.files.memory())?;

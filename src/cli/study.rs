@@ -79,7 +79,7 @@ fn of_scene(args: &StudyArgs, path: &Path, files: Files) -> Result<Outcome, Fail
 fn load(args: &StudyArgs, path: &Path, outputs: &Files) -> Result<Baked, Failure> {
     let options = LoadOptions { size: Some(args.size), ..args.changes.options(args.reads.files(path)?) };
     let mut scene = scene::load_with(path, &options)?;
-    overwrite::refuse(outputs.paths(), &options.files.opened())?;
+    overwrite::refuse(outputs.paths(), &options.files.inputs())?;
     memory::check_kept(args.size, &options.files.memory())?;
     say_remarks(&scene);
     (scene.settings.width, scene.settings.height) = args.size;

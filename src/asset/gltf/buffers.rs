@@ -123,10 +123,22 @@ fn content<'a>(
     }
 }
 
+/// Tells `files` which hold the images, also those of textures that are not read.
+pub(super) fn mention_images(gltf: &gltf::Gltf, folder: &Path, files: &Files) {
+    let addresses = gltf.document.as_json().images.iter().filter_map(|image| image.uri.as_deref());
+    for address in addresses.filter(|address| !is_data(address.trim_start())) {
+        names(address).iter().for_each(|name| files.mention(&folder.join(name.as_ref())));
+    }
+}
+
+fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+}
+
 /// Reads a data URI or a file.
 fn read_uri(uri: &str, folder: &Path, files: &Files) -> Result<Vec<u8>, Flaw> {
     let start = uri.trim_start();
-    if start.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+    if is_data(start) {
         return read_data_uri(start);
     }
     match start.split_once("://") {

@@ -72,6 +72,7 @@ impl Import {
     fn file(&mut self, bytes: Vec<u8>, folder: &Path, files: &Files) -> Result<(), Flaw> {
         let gltf = container::open(bytes)?;
         validate::check(gltf.document.as_json())?;
+        buffers::mention_images(&gltf, folder, files);
         let buffers = Buffers::read(&gltf, folder, files)?;
         let (notes, mut textures) = (&mut self.notes, Textures::new(&gltf, &buffers));
         let materials = gltf.materials().map(|material| material::convert(&material, &mut textures, notes));
