@@ -11,6 +11,7 @@ use percent_encoding::percent_decode_str;
 use crate::asset::error::Flaw;
 use crate::asset::files::Files;
 use crate::asset::memory::Memory;
+use crate::text;
 
 /// The contents of all buffers, and where files beside the glTF file are.
 pub(super) struct Buffers<'a> {
@@ -141,13 +142,13 @@ fn read_uri(uri: &str, folder: &Path, files: &Files) -> Result<Vec<u8>, Flaw> {
     if is_data(start) {
         return read_data_uri(start);
     }
-    match start.split_once("://") {
-        Some((scheme, _)) => Err(Flaw::new(
-            format!("addresses of the kind {scheme}:// are not followed"),
+    if start.contains("://") {
+        return Err(Flaw::new(
+            format!("{} is an address, and addresses are not followed", text::quoted(start)),
             "put the file beside the .gltf file, and its name into it",
-        )),
-        None => read_file(uri, folder, files),
+        ));
     }
+    read_file(uri, folder, files)
 }
 
 /// Decodes a data URI, as forgiving as browsers: any case, white space anywhere, with or without media type and

@@ -268,7 +268,7 @@ fn malformed_files_are_errors_that_say_what_is_wrong() {
         ("/bufferViews/0/byteLength", huge, "reaches beyond its buffer"),
         ("/buffers/0/byteLength", json!(73), "buffer 0: it has 72 bytes instead of 73"),
         ("/buffers/0/uri", json!("gone.bin"), "gone.bin cannot be read"),
-        ("/buffers/0/uri", json!("https://example.org/a.bin"), "https:// are not followed"),
+        ("/buffers/0/uri", json!("https://example.org/a.bin"), "https://example.org/a.bin is an address"),
         ("/buffers/0/uri", json!("data:text/plain,hello"), "buffer 0: it has 5 bytes instead of 72"),
         ("/buffers/0/uri", json!("data:;base64,a-b"), "buffer 0: the data URI is not base64"),
         ("/nodes/1/children", json!([0]), "reached twice"),
