@@ -215,7 +215,9 @@ fn files_that_are_no_scenes_are_told_how_to_become_one() {
         ("room.exr", "a picture, not a scene file", "`warpfront compare`"),
         ("room.png", "a picture", "`[environment] image"),
         ("room.zip", "an archive", "unpack"),
+        ("room.toml.txt", "a text file", ".toml"),
         ("room", "not a scene file", ".glb"),
+        (".", "a folder, not a scene file", ".glb"),
     ];
     for (name, what, remedy) in cases {
         for command in ["render", "info"] {

@@ -115,7 +115,7 @@ mod tests {
         #[cfg(unix)]
         assert!(files.read(Path::new("/dev/zero")).unwrap_err().to_string().contains("regular"));
         assert!(files.read(&folder.path().join("b")).is_err());
-        assert_eq!(files.inputs(), [path.clone()]);
+        assert_eq!(files.inputs(), std::slice::from_ref(&path));
         files.mention(Path::new("texture.png"));
         assert_eq!(files.inputs().len(), 2);
     }

@@ -39,6 +39,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
     ("3dm", "a Rhino file", "in Rhino choose File › Export, glTF Binary (.glb)"),
     ("pbrt", "a scene of pbrt", DESCRIPTION),
     ("xml", "an XML file, such as Mitsuba's scenes", DESCRIPTION),
+    ("txt", "a text file", "if it is a scene file or a model, end its name in .toml, .gltf, .glb or .obj"),
     ("mtl", "a material library", "give the .obj file that names it"),
     ("bin", "a buffer of a glTF file", "give the .gltf file that names it"),
     ("exr hdr png jpg jpeg tif tiff webp bmp gif", "a picture", PICTURE),

@@ -62,6 +62,9 @@ pub struct LoadOptions {
     pub files: Files,
 }
 
+/// What to do about a file that is none.
+const SCENES: &str = "a scene is a .toml, .gltf, .glb or .obj file";
+
 /// Light from infinity, as an option names it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surroundings {
@@ -112,7 +115,8 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
         _ => {
             let (problem, help) = match foreign::known(path) {
                 Some((what, remedy)) => (format!("{what}, not a scene file"), remedy),
-                None => ("not a scene file".to_owned(), "a scene is a .toml, .gltf, .glb or .obj file"),
+                None if path.is_dir() => ("a folder, not a scene file".to_owned(), SCENES),
+                None => ("not a scene file".to_owned(), SCENES),
             };
             return Err(SceneError::UnknownType { path: path.to_owned(), problem, help });
         }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
-use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow};
+use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{Cut, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
 use crate::scene::{Baked, SpacetimeKind};
@@ -77,8 +77,8 @@ const SLIMMEST: f64 = 0.45;
 const CHART: [f64; 2] = [880.0, 620.0];
 /// Corners of the polygon that stands for a circle.
 const CORNERS: u32 = 256;
-/// Pieces of a ray's way out of the picture.
-const PIECES: u32 = 32;
+/// How far a ray turns from one piece of its way out of the picture to the next, about, radians.
+const CORNER: f64 = 0.005;
 /// Error of that way, radians.
 const PRECISION: f64 = 1e-7;
 
@@ -152,7 +152,7 @@ impl Fan {
             match &self.hole {
                 Some((center, medium)) => {
                     let way_out = way_out(medium, last - center, trail.heading, reach);
-                    points.extend(way_out.map(|point| center + point));
+                    points.extend(way_out.into_iter().map(|point| center + point));
                 }
                 None => points.push(last + reach * direction),
             }
@@ -269,19 +269,25 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
 
 /// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative to
 /// the hole.
-fn way_out(medium: &Schwarzschild, start: DVec3, heading: DVec3, reach: f64) -> impl Iterator<Item = DVec3> {
+fn way_out(medium: &Schwarzschild, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
     let launch = Launch::new(medium, start, heading, f64::EPSILON);
     let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);
     let control = Control::new(medium, PRECISION, f64::INFINITY);
-    (1..=PIECES).filter_map(move |piece| {
-        let part = f64::from(piece) / f64::from(PIECES);
-        // Close together at first: what a ray still bends goes with 1/ρ, and of that little changes near a periastron.
-        let w = launch.w + part * part * (1.0 / reach - launch.w);
-        match follow(medium, &Rkn6, &control, ray, w, |_| {}).end {
-            End::Crosses(phase, swept) => Some(launch.position(phase.w, swept)),
-            _ => None,
-        }
-    })
+    // From the radius to the ray.
+    let slant = |phase: &Phase<f64>| libm::atan2(launch.b * phase.w, -phase.v);
+    let (mut points, mut swept) = (Vec::new(), 0.0);
+    follow(medium, &Rkn6, &control, ray, 1.0 / reach, |step| {
+        let angle = |h: f64| libm::atan(step.b * h);
+        let turn = angle(step.h) + slant(&step.end) - slant(&step.start);
+        let pieces = (turn.abs() / CORNER).ceil().max(1.0);
+        points.extend((1..=pieces as u32).map(|piece| {
+            let h = step.h * f64::from(piece) / pieces;
+            let part = Step::new(medium, &Rkn6, step.b, step.start, h);
+            launch.position(part.end.w, swept + angle(h))
+        }));
+        swept += angle(step.h);
+    });
+    points
 }
 
 /// A circle between two angles either side of `middle`, as a polygon.
