@@ -1,7 +1,7 @@
 //! Edges of lamps, as the camera sees them: directly, in mirrors and through glass.
 //!
 //! Where a pixel sees the edge of a lamp, a camera path brings either all of its light or none: once light on surfaces
-//! is sampled well, that is most of what is left of the noise. Probes find such pixels: a few before the first sample, more
+//! is sampled well, that is most of what is left of the noise. Probes find such pixels: one before the first sample, more
 //! as the samples grow in number. There, what the camera sees of lamps is gathered by [`SPLIT`] short paths for each whole
 //! one, which leaves that light out. Which pixels these are depends on the probes alone, so that the picture's expectation
 //! is unchanged; and for each sample on its own number alone, so that it does not matter how many are asked for.
@@ -16,8 +16,7 @@ use crate::scene::{Baked, MAX_SPP, Settings};
 /// Short paths for each whole one: the mean of well-distributed points across an edge errs as their number to the
 /// power -3/4, so that these leave an eighth.
 const SPLIT: u32 = 16;
-/// Probes of a pixel before its first sample; as many as samples up to the most that come early.
-const FIRST_PROBES: u32 = 4;
+/// Probes of a pixel that come early: as many as samples.
 const EARLY_PROBES: u32 = 16;
 /// Samples of a pixel for each of its later probes, so that their cost is in proportion: an image of a lamp too small for any
 /// probe to meet is met by few samples.
@@ -41,7 +40,7 @@ pub struct Edges {
 impl Edges {
     /// Probes of a pixel that decide how the samples of the pass that starts with this one are taken.
     fn probes_before(sample: u32) -> u32 {
-        sample.clamp(FIRST_PROBES, EARLY_PROBES).max(sample / SAMPLES_PER_PROBE)
+        sample.clamp(1, EARLY_PROBES).max(sample / SAMPLES_PER_PROBE)
     }
 
     /// Probes of a pixel for a picture of so many samples.
@@ -278,8 +277,8 @@ mod tests {
     #[test]
     fn probes_grow_with_the_samples_between_passes_only() {
         let before: Vec<u32> = [0, 1, 4, 8, 16, 32, 64, 80].map(Edges::probes_before).into();
-        assert_eq!(before, [4, 4, 4, 8, 16, 16, 16, 20]);
-        assert_eq!((Edges::probes(1), Edges::probes(16), Edges::probes(64)), (4, 8, 16));
+        assert_eq!(before, [1, 1, 4, 8, 16, 16, 16, 20]);
+        assert_eq!((Edges::probes(1), Edges::probes(16), Edges::probes(64)), (1, 8, 16));
         assert_eq!(Edges::probes(MAX_SPP), (MAX_SPP - 16) / 4);
     }
 }
