@@ -69,7 +69,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
 /// All primitives in world space, and the entities that have one, in the order of spawning; takes the world's meshes.
 pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fault> {
     propagate_transforms(world);
-    squash(world);
+    squash(world)?;
     let (mut primitives, shaped) = collect(world)?;
     primitives.meshes = std::mem::take(&mut world.meshes);
     Ok((primitives, shaped))

@@ -6,12 +6,16 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
 use super::components::{MeshHandle, MeshShape, WorldTransform};
+use super::error::Fault;
 use super::systems::invertible;
 use super::world::World;
 use crate::geometry::Mesh;
 
 /// Area of a flattened square, relative to that of one over its longest side, below which it is a line.
 const THIN: f64 = 1e-9;
+
+/// Most vertices of flat copies: a file can ask for a copy of a large mesh with each of its nodes.
+const MOST_COPIED: usize = 1 << 24;
 
 /// A transform onto a plane in two steps: along `normal` onto the plane through the origin, then by an invertible map.
 struct Flattening {
@@ -23,7 +27,10 @@ struct Flattening {
 
 /// Replaces meshes under transforms that flatten them by flat ones; those that become a line or a point are left out
 /// with a warning.
-pub(super) fn squash(world: &mut World) {
+///
+/// # Errors
+/// The flat meshes would be too large.
+pub(super) fn squash(world: &mut World) -> Result<(), Fault> {
     let mut flattened: Vec<(Entity, DAffine3, MeshShape)> = world
         .entities
         .query::<(Entity, &WorldTransform, &MeshShape)>()
@@ -33,13 +40,24 @@ pub(super) fn squash(world: &mut World) {
         .collect();
     flattened.sort_by_key(|(entity, ..)| entity.id());
     let mut known = HashMap::new();
+    let mut copied = 0;
     let mut left_out = Vec::new();
     for (entity, to_world, MeshShape(mut parts)) in flattened {
         let flattening = Flattening::of(to_world);
         if let Some(Flattening { normal, to_world }) = flattening {
             for (mesh, _) in &mut parts {
                 let key = (*mesh, normal.to_array().map(f64::to_bits));
-                *mesh = *known.entry(key).or_insert_with(|| flat_copy(world, *mesh, normal));
+                *mesh = *known.entry(key).or_insert_with(|| {
+                    copied += world.meshes.get(mesh.0 as usize).map_or(0, |mesh| mesh.positions.len());
+                    if copied <= MOST_COPIED { flat_copy(world, *mesh, normal) } else { *mesh }
+                });
+            }
+            if copied > MOST_COPIED {
+                return Err(world.fault(
+                    entity,
+                    "it and other large meshes are flattened along too many directions",
+                    "apply their scales of 0 in the modelling program, or remove them",
+                ));
             }
             parts.retain(|(mesh, _)| !is_empty(world, *mesh));
             // The entity came from the query above, so inserting cannot fail.
@@ -55,6 +73,7 @@ pub(super) fn squash(world: &mut World) {
         }
     }
     world.warn_of_names("left out, since scales of 0 leave no area", &left_out);
+    Ok(())
 }
 
 impl Flattening {
