@@ -3,8 +3,9 @@
 use super::edges::Edges;
 use super::illumination::Illumination;
 use super::path::Gathers;
+use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
-use crate::shade::Sampler;
+use crate::shade::{Media, Sampler};
 
 /// What every kernel may read.
 pub struct Job<'a> {
@@ -14,6 +15,8 @@ pub struct Job<'a> {
     pub settings: &'a Settings,
     /// Random numbers.
     pub sampler: Sampler,
+    /// Dielectrics around the camera.
+    pub media: Media,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
 }
@@ -25,7 +28,9 @@ impl<'a> Job<'a> {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
-        Self { scene, settings, sampler, illumination: None }
+        let camera = &scene.camera;
+        let media = media_around(scene, camera.position + camera.near * camera.forward);
+        Self { scene, settings, sampler, media, illumination: None }
     }
 }
 
