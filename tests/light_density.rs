@@ -6,7 +6,7 @@ mod lit;
 
 use std::f64::consts::PI;
 
-use common::Random;
+use common::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use lit::{TWISTS, room};
 use warpfront::geometry::PrimitiveId;
@@ -188,4 +188,48 @@ fn densities_integrate(rooms: u64, receivers: usize, count: usize) {
 #[test]
 fn densities_integrate_to_the_share_of_samples_that_meet_their_lights() {
     densities_integrate(24, 4, 20_000);
+}
+
+/// Inside a sphere that emits every light sample is seen, from every point of it and of what is in it, and whatever a ray meets
+/// could have been sampled: rounding does not decide which side of the sphere a point of it is on.
+#[test]
+fn what_is_seen_inside_a_lamp_can_all_be_sampled() {
+    for (number, size) in [1e-3, 0.1, 1.0, 50.0, 1e3, 1e6].into_iter().enumerate() {
+        for center in
+            [DVec3::ZERO, size * DVec3::new(0.3, -0.7, 0.1), 1e4 * size * DVec3::new(1.0, 0.3, -0.2)]
+        {
+            let text = camera(center + 0.3 * size * DVec3::X, center, 60.0)
+                + &film(1, 1)
+                + &material("lamp", 0.5, 1.0)
+                + &sphere(center, size, "lamp")
+                + &sphere(center - 0.5 * size * DVec3::Z, 0.2 * size, "lamp");
+            let lit = Lit::new(scene(&text), 0);
+            let mut random = Random::new(900 + number as u64);
+            let receivers = lit.receivers(&mut random, 100);
+            let on_room = |receiver: &Receiver| receiver.place.position.distance(center) > 0.9 * size;
+            assert!(
+                receivers.iter().any(|from| on_room(&from.0))
+                    && receivers.iter().any(|from| !on_room(&from.0))
+            );
+            for from in receivers {
+                let samples = lit.samples(&from.0, &mut random, 50);
+                let directions: Vec<DVec3> = samples.iter().map(|sample| sample.0).collect();
+                let ends = lit.follow(&from, &directions);
+                let met = samples.iter().zip(&ends).filter(|(sample, end)| {
+                    let landing = end.expect("the room is closed");
+                    let density = lit.density(&from.0, sample.0, &landing);
+                    let is_same = (density / sample.2 - 1.0).abs() < 1e-4;
+                    is_met(&lit, sample.1, &landing) && is_same
+                });
+                // From the ball's own outer side only the room can be sampled; from the room, the ball hides a part of it.
+                assert!(met.count() >= if on_room(&from.0) { 30 } else { 5 }, "{size} at {center}");
+                for _ in 0..20 {
+                    let direction = (from.0.normal + 0.99 * random.direction()).normalize();
+                    let end = lit.follow(&from, &[direction])[0].expect("the room is closed");
+                    let density = lit.density(&from.0, direction, &end);
+                    assert!(density > 0.0 && density.is_finite(), "{size} at {center}: {density}");
+                }
+            }
+        }
+    }
 }

@@ -58,12 +58,17 @@ impl Crossing {
         Self { from: media.current(), into: media }
     }
 
-    /// Light in `media` that goes through `faces`: their materials, and whether it enters them.
-    pub fn of(media: Media, faces: impl Iterator<Item = (u32, bool)>) -> Self {
-        faces.fold(Self::none(media), |Self { from, into }, (material, enters)| match enters {
-            true => Self { from, into: into.entering(material) },
+    /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may leave at
+    /// once: a sheet without thickness.
+    pub fn of(media: Media, faces: impl Iterator<Item = (u32, bool)> + Clone) -> Self {
+        let entered = faces.clone().filter(|(_, enters)| *enters);
+        let into = entered.fold(media, |into, (material, _)| into.entering(material));
+        let left = faces.filter(|(_, enters)| !enters);
+        left.fold(Self { from: media.current(), into }, |Self { from, into }, (material, _)| {
+            let after = into.leaving(material);
             // A path that starts inside leaves what it never entered.
-            false => Self { from: from.or(Some(material)), into: into.leaving(material) },
+            let from = if after == into { from.or(Some(material)) } else { from };
+            Self { from, into: after }
         })
     }
 }
@@ -84,7 +89,9 @@ mod tests {
         let both = crossing(Media::VACUUM, &[(3, true), (7, true)]);
         assert_eq!(both, Crossing { from: None, into: glass.entering(7) });
         assert_eq!(crossing(both.into, &[(3, false), (7, false)]).into, Media::VACUUM);
-        assert_eq!(crossing(Media::VACUUM, &[(3, true), (3, false)]), Crossing::none(Media::VACUUM));
+        for sheet in [[(3, true), (3, false)], [(3, false), (3, true)]] {
+            assert_eq!(crossing(Media::VACUUM, &sheet), Crossing::none(Media::VACUUM));
+        }
         // From a camera in glass.
         assert_eq!(crossing(Media::VACUUM, &[(3, false)]).from, Some(3));
     }

@@ -21,6 +21,7 @@ pub mod stages;
 mod stats;
 pub mod steppers;
 mod straight;
+mod surroundings;
 mod tile;
 mod trail;
 pub mod transport;

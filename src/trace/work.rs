@@ -4,8 +4,9 @@ use super::edges::Edges;
 use super::halt::Halt;
 use super::illumination::Illumination;
 use super::path::Gathers;
+use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
-use crate::shade::Sampler;
+use crate::shade::{Media, Sampler};
 
 /// What every kernel may read.
 pub struct Job<'a> {
@@ -15,6 +16,8 @@ pub struct Job<'a> {
     pub settings: &'a Settings,
     /// Random numbers.
     pub sampler: Sampler,
+    /// Dielectrics around the camera.
+    pub media: Media,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
     /// When to give up.
@@ -28,7 +31,9 @@ impl<'a> Job<'a> {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
-        Self { scene, settings, sampler, illumination: None, halt: Halt::default() }
+        let camera = &scene.camera;
+        let media = media_around(scene, camera.position + camera.near * camera.forward);
+        Self { scene, settings, sampler, media, illumination: None, halt: Halt::default() }
     }
 }
 

@@ -6,7 +6,6 @@ use super::super::path::Path;
 use super::super::work::{Job, Work};
 use super::draw::Draw;
 use crate::scene::Filter;
-use crate::shade::Media;
 
 /// The path `index` of `work`, before its camera ray.
 ///
@@ -22,7 +21,7 @@ pub fn start(job: &Job, work: &Work, index: u32) -> Path {
         throughput: Vec3::ONE,
         gathers,
         radiance: Vec3::ZERO,
-        media: Media::VACUUM,
+        media: job.media,
     }
 }
 

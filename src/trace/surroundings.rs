@@ -1,0 +1,44 @@
+//! Which dielectrics there are around a place: a camera may be in glass, in a glass of water, or in the water.
+
+use glam::DVec3;
+
+use super::stages::scatter::{Meeting, meet};
+use super::transport::Landing;
+use crate::geometry::{Line, PrimitiveId, Segment};
+use crate::scene::Baked;
+use crate::shade::Media;
+
+/// Where lines come from that are followed to the place, in no special direction: if they do not agree, glass is not closed.
+const FROM: [DVec3; 5] = [
+    DVec3::new(0.361, 0.803, 0.474),
+    DVec3::new(-0.532, 0.277, -0.8),
+    DVec3::new(0.719, -0.613, -0.327),
+    DVec3::new(-0.271, -0.533, 0.802),
+    DVec3::new(-0.887, 0.121, 0.446),
+];
+/// Most surfaces that a line may cross.
+const MOST: usize = 1000;
+
+/// The dielectrics around `place`; none where glass is not closed.
+pub fn media_around(scene: &Baked, place: DVec3) -> Media {
+    let has_glass = scene.materials.iter().any(|material| material.is_dielectric());
+    let Some((min, max)) = scene.geometry.bounds().filter(|_| has_glass) else { return Media::VACUUM };
+    let reach = min.distance(max) + place.distance(0.5 * (min + max));
+    let [first, others @ ..] = FROM.map(|from| media_after(scene, place + reach * from, place));
+    first.filter(|_| others.iter().all(|other| *other == first)).unwrap_or_default()
+}
+
+/// The dielectrics around a line at its end, if it starts in none; `None` if it crosses too much.
+fn media_after(scene: &Baked, start: DVec3, end: DVec3) -> Option<Media> {
+    let direction = (end - start).try_normalize()?;
+    let (mut position, mut leaves, mut media) = (start, PrimitiveId::NONE, Media::VACUUM);
+    for _ in 0..MOST {
+        let line = Line { p0: position, p2: end };
+        let Some(hit) = scene.geometry.intersect(&line, leaves) else { return Some(media) };
+        position = line.point(hit.s);
+        let landing = Landing { position, direction, primitive: hit.primitive };
+        let Meeting { primitive, incidence, .. } = meet(scene, &landing, media);
+        (leaves, media) = (primitive, incidence.crossing.into);
+    }
+    None
+}
