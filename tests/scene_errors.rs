@@ -108,7 +108,7 @@ fn missing_files_are_named() {
 #[test]
 fn a_wrong_extension_lists_the_right_ones() {
     let files = Files::new();
-    for name in ["scene.blend", "scene"] {
+    for name in ["scene.xyz", "scene"] {
         let message = failure(load_path(&files.write(name, "")));
         assert!(message.contains(".toml, .gltf, .glb or .obj"), "{message}");
     }
