@@ -66,6 +66,9 @@ fn a_preview_does_not_replace_a_texture_even_one_that_is_not_read() {
     assert_refused(&render(&place, "room.toml", &["-o", "room n.exr"]), &["room n.png"]);
     assert_eq!(fs::read(place.path("room n.png")).unwrap(), b"a normal map");
     assert_good(&render(&place, "room.toml", &["-o", "room n.exr", "--no-png"]));
+    fs::write(place.path("a.mtl"), "newmtl a\nmap_Bump -bm 0.2 bumps.png\n").unwrap();
+    fs::write(place.path("bumps.png"), "bumps").unwrap();
+    assert_refused(&render(&place, "a.obj", &["-o", "bumps.exr"]), &["bumps.png"]);
 }
 
 #[cfg(unix)]

@@ -24,6 +24,9 @@ const GLASS_IOR: f32 = 1.5;
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 
+/// Statements that name pictures, beside those that begin with `map_`.
+const PICTURES: [&str; 5] = ["bump", "norm", "disp", "decal", "refl"];
+
 /// The materials of all libraries of a file.
 #[derive(Default)]
 pub(super) struct Libraries {
@@ -72,6 +75,7 @@ impl Libraries {
         let (parsed, _) =
             tobj::load_mtl_buf(&mut Cursor::new(library.text)).map_err(std::io::Error::other)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        library.unread.iter().for_each(|map| files.mention(&folder.join(file_name(map))));
         for (material, name) in parsed.iter().zip(library.names) {
             let mut converter =
                 Converter { name: &name, folder, files, pictures: &mut self.pictures, notes: &mut notes };
@@ -142,6 +146,8 @@ struct Screened {
     text: String,
     /// The materials' own names.
     names: Vec<String>,
+    /// What statements of pictures say that are not read.
+    unread: HashSet<String>,
 }
 
 impl Screened {
@@ -174,6 +180,9 @@ impl Screened {
             "illum" => first::<u8>(statement.values()),
             "map_Kd" | "map_Ke" => Some(name.to_owned()).filter(|name| !name.is_empty()),
             _ => {
+                if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
+                    self.unread.insert(name.to_owned());
+                }
                 notes.add(format!("`{}` is ignored, in material", text::quoted(keyword)), material);
                 return;
             }
