@@ -314,7 +314,7 @@ fn damaged_obj_files_name_the_line() {
         ("v 0 0 0\nv nan 0 0\n", "model.obj: line 2: the vertex is not finite"),
         ("v 0 0 0\nv 1e999 0 0\n", "model.obj: line 2: the vertex is not finite"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "model.obj: line 4: vertex index 4 is out of range"),
-        ("v 0 0 0\nf 1 1 1\n", "no triangle with an area is left of 1"),
+        ("v 0 0 0\nf 1 1 1\n", "holds no triangles with an area"),
         ("", "holds no triangles"),
         ("\u{0}\u{1}f \u{fffd}", "holds no triangles"),
     ] {

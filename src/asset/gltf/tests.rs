@@ -591,7 +591,7 @@ fn what_is_not_read_may_be_wrong() {
     for (pointer, value) in [
         (
             "/animations",
-            json!([{ "channels": [{ "sampler": 7, "target": { "path": "odd" } }], "samplers": [] }]),
+            json!([{ "channels": [{ "sampler": 7, "target": { "node": 99, "path": "odd" } }], "samplers": [] }]),
         ),
         ("/samplers", json!([{ "wrapS": 1, "magFilter": 2 }])),
         ("/skins", json!([{ "joints": [99] }])),
