@@ -202,7 +202,7 @@ fn what_is_seen_inside_a_lamp_can_all_be_sampled() {
                 + &film(1, 1)
                 + &material("lamp", 0.5, 1.0)
                 + &sphere(center, size, "lamp")
-                + &sphere(center - 0.5 * size * DVec3::Z, 0.2 * size, "lamp");
+                + &sphere(center - 0.5 * size * DVec3::Z, 0.35 * size, "lamp");
             let lit = Lit::new(scene(&text), 0);
             let mut random = Random::new(900 + number as u64);
             let receivers = lit.receivers(&mut random, 100);
