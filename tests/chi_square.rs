@@ -51,13 +51,15 @@ fn lobes() -> Vec<Material> {
 fn incidence(random: &mut Random, material: usize) -> Incidence {
     let normal = random.direction();
     let shading_normal = (normal + 0.8 * random.in_cube()).normalize();
+    let direction = random.direction();
+    let enters = direction.dot(normal) < 0.0;
     Incidence {
-        direction: random.direction(),
+        direction,
         normal,
         shading_normal,
         material: material as u32,
         media: Media::VACUUM,
-        crossing: Crossing::none(Media::VACUUM),
+        crossing: Crossing::of(Media::VACUUM, std::iter::once((material as u32, enters))),
     }
 }
 

@@ -49,17 +49,18 @@ impl Edges {
     }
 
     /// Finds more edges in the part of a picture that starts at `origin`, of `size` pixels, before its sample of number
-    /// `first_sample` is taken. `probe` traces; `None`, and nothing changed, if it does.
+    /// `first_sample` is taken. Gives those of them whose samples so far are worth taking again, with short paths: few samples
+    /// without them would make most of the noise of all. `probe` traces; `None`, and nothing changed, if it does.
     pub fn refine(
         &mut self,
         (origin, size): ((usize, usize), (usize, usize)),
         settings: &Settings,
         first_sample: u32,
         probe: impl FnOnce(&Work) -> Option<Samples>,
-    ) -> Option<()> {
+    ) -> Option<Self> {
         let probes = Self::probes_before(first_sample).saturating_sub(self.probes);
         if probes == 0 {
-            return Some(());
+            return Some(Self::default());
         }
         // Filters reach one pixel far, and so does what a probe says.
         let low = (origin.0.saturating_sub(1), origin.1.saturating_sub(1));
@@ -90,9 +91,12 @@ impl Edges {
         self.probes += probes;
         let marks: Vec<bool> =
             (0..size.0 * size.1).map(|pixel| self.holds(pixel as u32) || is_edge(pixel)).collect();
-        self.pixels = (0..).zip(&marks).filter(|(_, mark)| **mark).map(|(pixel, _)| pixel).collect();
-        self.marks = if self.pixels.is_empty() { Vec::new() } else { marks };
-        Some(())
+        let pixels: Vec<u32> = (0..).zip(&marks).filter(|(_, mark)| **mark).map(|(pixel, _)| pixel).collect();
+        let is_early = (1..=EARLY_PROBES).contains(&first_sample);
+        let found = pixels.iter().copied().filter(|&pixel| is_early && !self.holds(pixel)).collect();
+        self.marks = if pixels.is_empty() { Vec::new() } else { marks };
+        self.pixels = pixels;
+        Some(Self { pixels: found, ..Self::default() })
     }
 
     /// Whether a picture of `scene` may have them.
@@ -120,13 +124,13 @@ impl Edges {
         (!self.pixels.is_empty()).then_some(Work { origin, size, lattice, first_sample, samples, share })
     }
 
-    /// Adds what the paths of [`Self::work`] saw to the whole ones, `count` a pixel.
-    pub fn add(&self, seen: &Samples, count: u32, whole: &mut Samples) {
-        let count = count as usize;
-        let slots = self
-            .pixels
-            .iter()
-            .flat_map(|&pixel| (0..count).map(move |sample| pixel as usize * count + sample));
+    /// Adds what the paths of [`Self::work`] saw to the whole ones of `work`.
+    pub fn add(&self, seen: &Samples, work: &Work, whole: &mut Samples) {
+        let count = work.samples as usize;
+        let slots = self.pixels.iter().enumerate().flat_map(|(place, &pixel)| {
+            let place = if matches!(work.share, Share::Beyond(_)) { place } else { pixel as usize };
+            (0..count).map(move |sample| place * count + sample)
+        });
         for (slot, seen) in slots.zip(seen.radiance.chunks_exact(SPLIT as usize)) {
             whole.radiance[slot] += seen.iter().sum::<Vec3>() / SPLIT as f32;
         }
@@ -215,7 +219,8 @@ mod tests {
                     workers.own().pass(tile, &mut edges, end).unwrap();
                 }
                 if !self.splits {
-                    workers.own().add_samples(tile, &edges, settings.spp).unwrap();
+                    let samples = workers.own().samples(tile, Share::Whole(&edges), 0..settings.spp).unwrap();
+                    tile.add(&samples, settings.spp);
                 }
             }
             let (width, height) = size;

@@ -1,5 +1,7 @@
 //! A tile of the picture: sums over samples, in f64 and in sample order.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 
 use super::fate::Fate;
@@ -64,25 +66,43 @@ impl Tile {
     /// Adds `count` more samples of every pixel, pixel by pixel.
     pub fn add(&mut self, samples: &Samples, count: u32) {
         let per_pixel = count as usize;
-        for (pixel, sums) in self.beauty.iter_mut().enumerate() {
-            for slot in pixel * per_pixel..(pixel + 1) * per_pixel {
-                let radiance = samples.radiance[slot].as_dvec3();
-                let covered = f64::from(u8::from(samples.covered[slot]));
-                for (sum, value) in sums.iter_mut().zip([radiance.x, radiance.y, radiance.z, covered]) {
-                    *sum += value;
-                }
-                if let Some(squares) = self.squares.get_mut(pixel) {
-                    squares.iter_mut().zip((radiance * radiance).to_array()).for_each(|(s, v)| *s += v);
-                }
-                if let Some(first) = self.first.get_mut(pixel) {
-                    first.add(&samples.first[slot], self.spp == 0 && slot == pixel * per_pixel);
-                }
-                if let Some(steps) = self.steps.get_mut(pixel) {
-                    *steps += u64::from(samples.steps[slot]);
-                }
-            }
+        for pixel in 0..self.beauty.len() {
+            self.add_to(pixel, samples, pixel * per_pixel..(pixel + 1) * per_pixel, self.spp == 0);
         }
         self.spp += count;
+    }
+
+    /// Puts other samples in the place of all that some pixels hold, pixel by pixel.
+    pub fn replace(&mut self, pixels: &[u32], samples: &Samples) {
+        let per_pixel = self.spp as usize;
+        for (place, &pixel) in pixels.iter().enumerate() {
+            let pixel = pixel as usize;
+            self.beauty[pixel] = Default::default();
+            self.squares.get_mut(pixel).map(std::mem::take);
+            self.first.get_mut(pixel).map(std::mem::take);
+            self.steps.get_mut(pixel).map(std::mem::take);
+            self.add_to(pixel, samples, place * per_pixel..(place + 1) * per_pixel, true);
+        }
+    }
+
+    /// Adds the samples of some slots to a pixel; `is_new` if it holds none.
+    fn add_to(&mut self, pixel: usize, samples: &Samples, slots: Range<usize>, is_new: bool) {
+        let start = slots.start;
+        for slot in slots {
+            let radiance = samples.radiance[slot].as_dvec3();
+            let covered = f64::from(u8::from(samples.covered[slot]));
+            let values = [radiance.x, radiance.y, radiance.z, covered];
+            self.beauty[pixel].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+            if let Some(squares) = self.squares.get_mut(pixel) {
+                squares.iter_mut().zip((radiance * radiance).to_array()).for_each(|(s, v)| *s += v);
+            }
+            if let Some(first) = self.first.get_mut(pixel) {
+                first.add(&samples.first[slot], is_new && slot == start);
+            }
+            if let Some(steps) = self.steps.get_mut(pixel) {
+                *steps += u64::from(samples.steps[slot]);
+            }
+        }
     }
 
     /// Mean colour of a pixel.

@@ -85,6 +85,8 @@ pub enum Share<'a> {
     Whole(&'a Edges),
     /// What the camera sees of lamps, in pixels at their edges.
     Edges(&'a Edges),
+    /// All but that, in the same pixels.
+    Beyond(&'a Edges),
     /// What the camera sees of lamps, in all pixels.
     Lamps,
 }
@@ -93,7 +95,7 @@ impl Work<'_> {
     /// Camera paths in all.
     pub fn paths(&self) -> u32 {
         let pixels = match self.share {
-            Share::Edges(edges) => edges.pixels().len(),
+            Share::Edges(edges) | Share::Beyond(edges) => edges.pixels().len(),
             Share::Whole(_) | Share::Lamps => self.size.0 * self.size.1,
         };
         pixels as u32 * self.samples
@@ -106,6 +108,7 @@ impl Work<'_> {
             Share::Whole(edges) if edges.holds(number) => (number, Gathers::Beyond),
             Share::Whole(_) => (number, Gathers::All),
             Share::Edges(edges) => (edges.pixels()[number as usize], Gathers::Lamps),
+            Share::Beyond(edges) => (edges.pixels()[number as usize], Gathers::Beyond),
             Share::Lamps => (number, Gathers::Lamps),
         };
         let (column, row) = (pixel as usize % self.size.0, pixel as usize / self.size.0);

@@ -1,5 +1,6 @@
 //! Worker threads: each traces with its own wavefront and keeps its own counts.
 
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::edges::Edges;
@@ -78,33 +79,39 @@ impl<T: Transport> Worker<'_, T> {
         edges: &mut Edges,
         (origin, size): ((usize, usize), (usize, usize)),
         first_sample: u32,
-    ) -> Option<()> {
+    ) -> Option<Edges> {
         let Job { scene, settings, .. } = *self.job;
         if !Edges::are_useful(scene) {
-            return Some(());
+            return Some(Edges::default());
         }
         edges.refine((origin, size), settings, first_sample, |work| self.trace(work, Wanted::default()))
     }
 
-    /// Adds samples to each pixel of `tile`, up to `end` in all, of which few may be left to a pass: how many camera paths
-    /// that were; `None`, and nothing added, if it had to give up.
+    /// Adds samples to each pixel of `tile`, up to `end` in all, of which few may be left to a pass, and takes those of pixels
+    /// that turn out to be at edges of lamps again: how many camera paths were added; `None`, and nothing changed in the
+    /// tile, if it had to give up.
     pub fn pass(&mut self, tile: &mut Tile, edges: &mut Edges, end: u32) -> Option<u64> {
-        self.refine(edges, (tile.origin, tile.size), tile.spp)?;
-        self.add_samples(tile, edges, end - tile.spp)
+        let found = self.refine(edges, (tile.origin, tile.size), tile.spp)?;
+        let again = self.samples(tile, Share::Beyond(&found), 0..tile.spp)?;
+        let count = end - tile.spp;
+        let samples = self.samples(tile, Share::Whole(edges), tile.spp..end)?;
+        tile.replace(found.pixels(), &again);
+        tile.add(&samples, count);
+        Some(u64::from(count) * (tile.size.0 * tile.size.1) as u64)
     }
 
-    /// Adds `count` samples to each pixel of `tile`: how many camera paths that were; `None`, and nothing added, if it
-    /// had to give up.
-    pub fn add_samples(&mut self, tile: &mut Tile, edges: &Edges, count: u32) -> Option<u64> {
-        let Tile { origin, size, spp: first_sample, .. } = *tile;
-        let share = Share::Whole(edges);
+    /// Samples of pixels of `tile`, with what short paths see of lamps at their edges; `None` if it had to give up.
+    pub fn samples(&mut self, tile: &Tile, share: Share, numbers: Range<u32>) -> Option<Samples> {
+        let Tile { origin, size, .. } = *tile;
+        let (first_sample, count) = (numbers.start, numbers.len() as u32);
         let work = Work { origin, size, lattice: Lattice::ALL, first_sample, samples: count, share };
         let mut samples = self.trace(&work, self.wanted)?;
-        if let Some(work) = edges.work(&work) {
-            edges.add(&self.trace(&work, Wanted::default())?, count, &mut samples);
+        if let Share::Whole(edges) | Share::Beyond(edges) = share
+            && let Some(short) = edges.work(&work)
+        {
+            edges.add(&self.trace(&short, Wanted::default())?, &work, &mut samples);
         }
-        tile.add(&samples, count);
-        Some(u64::from(work.paths()))
+        Some(samples)
     }
 
     /// The samples of `work`; `None` if it had to give up.
