@@ -42,40 +42,20 @@ impl Geometry {
         height.abs() <= slack && normal.cross(beside_normal).length_squared() <= PARALLEL
     }
 
-    /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met.
+    /// Whether a crossing of a segment may be its start: what it leaves lies there, and more may.
     #[inline(always)]
-    pub(super) fn past_start<S: Segment>(
-        &self,
-        segment: &S,
-        leaves: PrimitiveId,
-        hit: Option<Hit>,
-    ) -> Option<Hit> {
-        match hit {
-            Some(Hit { s, .. }) if leaves != PrimitiveId::NONE && self.is_near_start(segment, s) => {
-                self.search_past_start(segment, leaves, hit)
-            }
-            _ => hit,
-        }
-    }
-
-    #[inline(always)]
-    fn is_near_start<S: Segment>(&self, segment: &S, s: f64) -> bool {
-        let start = segment.chord().start;
+    pub(super) fn is_near_start(&self, start: DVec3, point: DVec3) -> bool {
         let near =
             NEAR_START * (start - self.origin).abs().max_element().max(NEAR_START * self.typical_extent);
-        segment.point(s).distance_squared(start) <= near * near
+        point.distance_squared(start) <= near * near
     }
 
+    /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met, which is
+    /// near its start.
     #[cold]
-    fn search_past_start<S: Segment>(
-        &self,
-        segment: &S,
-        leaves: PrimitiveId,
-        hit: Option<Hit>,
-    ) -> Option<Hit> {
-        let first = hit?;
+    pub(super) fn past_start<S: Segment>(&self, segment: &S, leaves: PrimitiveId, first: Hit) -> Option<Hit> {
         if !self.is_left(segment, leaves, first.s, first.primitive) {
-            return hit;
+            return Some(first);
         }
         self.intersect_past_start(segment, leaves)
     }
@@ -89,7 +69,7 @@ impl Geometry {
         primitive: PrimitiveId,
     ) -> bool {
         s < f64::INFINITY
-            && self.is_near_start(segment, s)
+            && self.is_near_start(segment.chord().start, segment.point(s))
             && self.coincide(leaves, primitive, segment.chord().start)
     }
 

@@ -17,7 +17,12 @@ impl Geometry {
     /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        self.past_start(segment, leaves, widest(First::<S, false> { geometry: self, segment, leaves }))
+        let first = widest(First::<S, false> { geometry: self, segment, leaves })?;
+        let point = segment.point(first.s);
+        if leaves != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
+            return self.past_start(segment, leaves, first);
+        }
+        Some(first)
     }
 
     /// The same, with all crossings at the start of the segment left out that are of what coincides with what it starts on.
@@ -64,13 +69,10 @@ struct Leaving<'a, S> {
 }
 
 impl<S: Segment> Leaving<'_, S> {
-    /// A crossing of `primitive`, as `cross` gives it for a segment that starts on it or does not.
+    /// Whether the crossing of another primitive at `s` is but the start of the segment, which leaves it with its own.
     #[inline(always)]
-    fn crossing<const PAST_START: bool>(&self, primitive: PrimitiveId, cross: impl Fn(bool) -> f64) -> f64 {
-        let own = self.leaves == primitive;
-        let s = cross(own);
-        let again = PAST_START && !own && self.geometry.is_left(&self.whole, self.leaves, s, primitive);
-        if again { cross(true) } else { s }
+    fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool {
+        self.leaves != primitive && self.geometry.is_left(&self.whole, self.leaves, s, primitive)
     }
 }
 
@@ -103,14 +105,19 @@ impl<'a, S: Segment, const PAST_START: bool> Nearest<'a, S, PAST_START> {
     fn cross_other(&self, slot: u32) -> (f64, u32) {
         let (geometry, segment) = (self.leaving.geometry, &self.segment);
         let primitive = PrimitiveId { item: slot, triangle: 0 };
+        let own = self.leaving.leaves == primitive;
         match geometry.item(slot) {
             Item::Sphere(i) => {
-                let cross = |own| segment.cross_sphere(&geometry.spheres[i as usize].0, own);
-                (self.leaving.crossing::<PAST_START>(primitive, cross), 0)
+                let sphere = &geometry.spheres[i as usize].0;
+                let s = segment.cross_sphere(sphere, own);
+                let again = PAST_START && self.leaving.leaves_also(primitive, s);
+                (if again { segment.cross_sphere(sphere, true) } else { s }, 0)
             }
             Item::Disk(i) => {
-                let cross = |own| segment.cross_disk(&geometry.disks[i as usize].0, own);
-                (self.leaving.crossing::<PAST_START>(primitive, cross), 0)
+                let disk = &geometry.disks[i as usize].0;
+                let s = segment.cross_disk(disk, own);
+                let again = PAST_START && self.leaving.leaves_also(primitive, s);
+                (if again { segment.cross_disk(disk, true) } else { s }, 0)
             }
             Item::Instance(i) => self.cross_instance(slot, &geometry.placed[i as usize]),
             Item::Triangle(_) => (f64::INFINITY, 0),
@@ -137,8 +144,10 @@ impl<S: Segment, const PAST_START: bool> Visitor for Nearest<'_, S, PAST_START> 
             while let Some(slot) = next_slot(&mut may, number) {
                 let primitive = PrimitiveId { item: slot, triangle: 0 };
                 if S::BENDS || leaves != primitive {
-                    let cross = |own| self.segment.cross_triangle(&geometry.triangle(slot), own);
-                    let s = self.leaving.crossing::<PAST_START>(primitive, cross);
+                    let mut s = self.segment.cross_triangle(&geometry.triangle(slot), leaves == primitive);
+                    if PAST_START && self.leaving.leaves_also(primitive, s) {
+                        s = self.segment.cross_triangle(&geometry.triangle(slot), true);
+                    }
                     self.consider(s, slot, 0);
                 }
             }
@@ -194,9 +203,12 @@ impl<S: Segment, const PAST_START: bool> Visitor for NearestInside<'_, S, PAST_S
         let order = bvh.order();
         let mut may = self.along.screen_block::<S>(triangles.block(number));
         while let Some(slot) = next_slot(&mut may, number) {
-            let cross = |own| self.segment.cross_triangle(&triangles.get(slot as usize), own);
             let primitive = PrimitiveId { item: self.item, triangle: slot };
-            let s = self.leaving.crossing::<PAST_START>(primitive, cross);
+            let own = self.leaving.leaves == primitive;
+            let mut s = self.segment.cross_triangle(&triangles.get(slot as usize), own);
+            if PAST_START && self.leaving.leaves_also(primitive, s) {
+                s = self.segment.cross_triangle(&triangles.get(slot as usize), true);
+            }
             let (best, at) = self.hit;
             if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
                 self.hit = (s, slot);

@@ -12,7 +12,6 @@ use super::few::Few;
 use super::nearest::Nearest;
 use super::query::{Need, Query};
 use super::scene::{Geometry, Hit, PrimitiveId};
-use super::segment::Segment;
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 
@@ -54,7 +53,7 @@ impl Geometry {
             for (lane, found) in found.iter_mut().enumerate() {
                 let (s, primitive) = few.first(lane);
                 let hit = (s < f64::INFINITY).then_some(Hit { s, primitive });
-                *found = hit.and_then(|_| self.found(&queries.get(lane), hit));
+                *found = hit.and_then(|hit| self.found(queries, lane, hit));
             }
         } else {
             widest(ByTurns { geometry: self, queries, found });
@@ -63,9 +62,27 @@ impl Geometry {
 
     /// What a query finds, given its first hit.
     #[inline(always)]
-    fn found<S: Segment>(&self, query: &Query<S>, hit: Option<Hit>) -> Option<Found> {
-        let Hit { s, primitive } = self.past_start(&query.segment, query.leaves, hit)?;
-        Some(Found { point: query.segment.point(s), primitive })
+    fn found<S: SideBySide>(&self, queries: &Columns<Query<S>>, lane: usize, hit: Hit) -> Option<Found> {
+        let Query { segment, leaves, .. } = queries.get(lane);
+        let point = segment.point(hit.s);
+        if leaves != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
+            return self.found_past_start(queries, lane, hit);
+        }
+        Some(Found { point, primitive: hit.primitive })
+    }
+
+    /// The same for a hit near the start; apart, so that queries are read whole only here.
+    #[cold]
+    #[inline(never)]
+    fn found_past_start<S: SideBySide>(
+        &self,
+        queries: &Columns<Query<S>>,
+        lane: usize,
+        hit: Hit,
+    ) -> Option<Found> {
+        let Query { segment, leaves, .. } = queries.get(lane);
+        let Hit { s, primitive } = self.past_start(&segment, leaves, hit)?;
+        Some(Found { point: segment.point(s), primitive })
     }
 }
 
@@ -118,7 +135,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
                     busy = true;
                 } else {
                     let hit = turn.nearest.hit;
-                    found[turn.lane] = hit.and_then(|_| geometry.found(&queries.get(turn.lane), hit));
+                    found[turn.lane] = hit.and_then(|hit| geometry.found(queries, turn.lane, hit));
                 }
             }
         }
