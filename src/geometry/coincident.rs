@@ -7,8 +7,9 @@
 use glam::DVec3;
 
 use super::bvh::{EMPTY, LEAF_SIZE, Visitor};
+use super::distance::Reach;
 use super::scene::Item;
-use super::{Carrier, Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh};
+use super::{Carrier, Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere};
 
 /// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of triangles
 /// they are in f32.
@@ -73,8 +74,37 @@ impl Geometry {
             && self.coincide(leaves, primitive, segment.chord().start)
     }
 
+    /// Whether each sphere is apart from all else; empty if to find out would be much work.
+    pub(super) fn spheres_apart(&self) -> Vec<bool> {
+        /// Most pairs of a sphere and a primitive that are looked at.
+        const PAIRS: usize = 1 << 18;
+        let members: Vec<(u32, Item)> = self.members().collect();
+        if !self.placed.is_empty() || self.spheres.len().saturating_mul(members.len()) > PAIRS {
+            return Vec::new();
+        }
+        let (low, high) = self.bvh.bounds().unwrap_or_default();
+        let largest = low.abs().max(high.abs()).max(self.origin.abs()).max_element();
+        let is_apart = |index: usize| {
+            let Sphere { center, radius } = self.spheres[index].0;
+            members.iter().all(|&(slot, item)| {
+                let on = if let Item::Triangle(_) = item { ON_TRIANGLES } else { ON };
+                let (Reach { nearest, farthest }, room) =
+                    (self.reach(slot, center), 4.0 * PROBE * on * largest);
+                matches!(item, Item::Sphere(i) if i as usize == index)
+                    || nearest > radius + room
+                    || farthest < radius - room
+            })
+        };
+        (0..self.spheres.len()).map(is_apart).collect()
+    }
+
     /// All other primitives that lie upon `primitive` at one of its points, in the order in which they were given.
     pub fn upon(&self, primitive: PrimitiveId, point: DVec3) -> Vec<PrimitiveId> {
+        if let Item::Sphere(i) = self.item(primitive.item)
+            && self.is_apart.get(i as usize) == Some(&true)
+        {
+            return Vec::new();
+        }
         let carrier = self.carrier(primitive);
         let way = PROBE * self.slack(primitive, &carrier, point) * carrier.height(point).1;
         let local = point - self.origin;

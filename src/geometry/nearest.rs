@@ -44,6 +44,7 @@ impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for First<'_, S, PA
     #[inline(always)]
     fn call(self) -> Option<Hit> {
         let mut nearest = Nearest::<S, PAST_START>::new(self.geometry, self.segment, self.leaves);
+        nearest.leaving.whole = PAST_START.then_some(self.segment);
         self.geometry.bvh.walk(&nearest.chord(), &mut nearest);
         nearest.hit
     }
@@ -63,8 +64,8 @@ pub(super) struct Nearest<'a, S, const PAST_START: bool> {
 #[derive(Clone, Copy)]
 struct Leaving<'a, S> {
     geometry: &'a Geometry,
-    /// World coordinates.
-    whole: S,
+    /// World coordinates; only of a search past the start.
+    whole: Option<&'a S>,
     leaves: PrimitiveId,
 }
 
@@ -72,7 +73,8 @@ impl<S: Segment> Leaving<'_, S> {
     /// Whether the crossing of another primitive at `s` is but the start of the segment, which leaves it with its own.
     #[inline(always)]
     fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool {
-        self.leaves != primitive && self.geometry.is_left(&self.whole, self.leaves, s, primitive)
+        self.leaves != primitive
+            && self.whole.is_some_and(|whole| self.geometry.is_left(whole, self.leaves, s, primitive))
     }
 }
 
@@ -80,8 +82,8 @@ impl<'a, S: Segment, const PAST_START: bool> Nearest<'a, S, PAST_START> {
     /// Along `segment` (world), which starts on the primitive `leaves`.
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, segment: &S, leaves: PrimitiveId) -> Self {
-        let leaving = Leaving { geometry, whole: *segment, leaves };
         let segment = segment.shifted(-geometry.origin);
+        let leaving = Leaving { geometry, whole: None, leaves };
         Self { leaving, segment, along: Along::new(segment.chord()), hit: None }
     }
 

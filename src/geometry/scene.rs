@@ -151,6 +151,8 @@ pub struct Geometry {
     pub(super) placed: Vec<Placed>,
     pub(super) counts: Counts,
     pub(super) typical_extent: f64,
+    /// Whether each sphere is apart from all else, so that nothing lies upon it; empty if that is not known.
+    pub(super) is_apart: Vec<bool>,
 }
 
 impl Geometry {
@@ -340,14 +342,19 @@ impl Geometry {
         let reach = (0..order.len() as u32)
             .into_par_iter()
             .filter(|&slot| order[slot as usize] != EMPTY)
-            .map(|slot| match self.item(slot) {
-                Item::Sphere(i) => Reach::sphere(from, &self.spheres[i as usize].0),
-                Item::Disk(i) => Reach::disk(from, &self.disks[i as usize].0),
-                Item::Triangle(_) => Reach::triangle(from, self.triangle(slot).corners()),
-                Item::Instance(i) => self.placed_reach(&self.placed[i as usize], from),
-            })
+            .map(|slot| self.reach(slot, from))
             .reduce(|| Reach::NOTHING, Reach::union);
         (!order.is_empty()).then_some((reach.nearest, reach.farthest))
+    }
+
+    /// Smallest and largest distance of a member of the top hierarchy from a point relative to the origin.
+    pub(super) fn reach(&self, slot: u32, from: DVec3) -> Reach {
+        match self.item(slot) {
+            Item::Sphere(i) => Reach::sphere(from, &self.spheres[i as usize].0),
+            Item::Disk(i) => Reach::disk(from, &self.disks[i as usize].0),
+            Item::Triangle(_) => Reach::triangle(from, self.triangle(slot).corners()),
+            Item::Instance(i) => self.placed_reach(&self.placed[i as usize], from),
+        }
     }
 
     fn placed_reach(&self, placed: &Placed, from: DVec3) -> Reach {

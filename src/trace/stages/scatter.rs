@@ -1,6 +1,6 @@
 //! What is met where a path lands, Russian roulette, and the next bounce.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::super::path::Path;
 use super::super::transport::Landing;
@@ -21,35 +21,51 @@ pub struct Meeting {
 
 /// What a path in `media` meets where it lands. Glass is met together with all that lies upon it there: what is solid stops
 /// light, and further glass is gone through with it.
+#[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
-    let &Landing { position, direction, primitive } = landing;
-    let surface_at = |primitive| scene.geometry.surface_point(primitive, position);
-    let is_glass =
-        |surface: &SurfacePoint| scene.materials[surface.surface.material as usize].is_dielectric();
-    let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
-    let surface = surface_at(primitive);
-    let alone = |primitive, surface: SurfacePoint, crossing| Meeting {
-        primitive,
-        surface,
-        incidence: Incidence {
+    let surface = scene.geometry.surface_point(landing.primitive, landing.position);
+    if is_glass(scene, &surface) {
+        return meet_glass(scene, landing, media, &surface);
+    }
+    Meeting::new(landing.primitive, surface, landing.direction, media, Crossing::none(media))
+}
+
+fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
+    scene.materials[surface.surface.material as usize].is_dielectric()
+}
+
+impl Meeting {
+    #[inline(always)]
+    fn new(
+        primitive: PrimitiveId,
+        surface: SurfacePoint,
+        direction: DVec3,
+        media: Media,
+        crossing: Crossing,
+    ) -> Self {
+        let incidence = Incidence {
             direction,
             normal: surface.normal,
             shading_normal: surface.shading_normal,
             material: surface.surface.material,
             media,
             crossing,
-        },
-    };
-    if !is_glass(&surface) {
-        return alone(primitive, surface, Crossing::none(media));
+        };
+        Self { primitive, surface, incidence }
     }
+}
+
+#[inline(never)]
+fn meet_glass(scene: &Baked, landing: &Landing, media: Media, surface: &SurfacePoint) -> Meeting {
+    let &Landing { position, direction, primitive } = landing;
+    let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
-    let others = || others.iter().map(|&other| (other, surface_at(other)));
-    if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(other)) {
-        return alone(solid, surface, Crossing::none(media));
+    let others = || others.iter().map(|&other| (other, scene.geometry.surface_point(other, position)));
+    if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
+        return Meeting::new(solid, surface, direction, media, Crossing::none(media));
     }
-    let faces = std::iter::once(face(&surface)).chain(others().map(|(_, other)| face(&other)));
-    alone(primitive, surface, Crossing::of(media, faces))
+    let faces = std::iter::once(face(surface)).chain(others().map(|(_, other)| face(&other)));
+    Meeting::new(primitive, *surface, direction, media, Crossing::of(media, faces))
 }
 
 /// Continues a path from a surface, with four numbers in [0, 1); `None` if it ends here.
