@@ -58,14 +58,14 @@ impl Geometry {
             placed,
             counts,
             typical_extent: 0.0,
-            is_apart: Vec::new(),
+            near_spheres: Vec::new(),
         };
         let placings: Vec<Placing> = instances
             .iter()
             .map(|(instance, _)| Placing::new(&meshes[instance.mesh as usize], to_local(instance)))
             .collect();
         geometry.build_top(triangles as usize, &placings);
-        geometry.is_apart = geometry.spheres_apart();
+        geometry.near_spheres = geometry.near_spheres();
         meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
         geometry.meshes = meshes;
         geometry

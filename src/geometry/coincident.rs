@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::bvh::{EMPTY, LEAF_SIZE, Visitor};
 use super::distance::Reach;
+use super::nearest::Leaving;
 use super::scene::Item;
 use super::{Carrier, Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere};
 
@@ -55,27 +56,12 @@ impl Geometry {
     /// near its start.
     #[cold]
     pub(super) fn past_start<S: Segment>(&self, segment: &S, leaves: PrimitiveId, first: Hit) -> Option<Hit> {
-        if !self.is_left(segment, leaves, first.s, first.primitive) {
-            return Some(first);
-        }
-        self.intersect_past_start(segment, leaves)
+        let leaving = PastStart { geometry: self, segment, leaves };
+        if leaving.leaves_also(first.primitive, first.s) { self.first(segment, leaving) } else { Some(first) }
     }
 
-    /// Whether a crossing of `primitive` at `s` is but the start of a segment that leaves what coincides with it.
-    pub(super) fn is_left<S: Segment>(
-        &self,
-        segment: &S,
-        leaves: PrimitiveId,
-        s: f64,
-        primitive: PrimitiveId,
-    ) -> bool {
-        s < f64::INFINITY
-            && self.is_near_start(segment.chord().start, segment.point(s))
-            && self.coincide(leaves, primitive, segment.chord().start)
-    }
-
-    /// Whether each sphere is apart from all else; empty if to find out would be much work.
-    pub(super) fn spheres_apart(&self) -> Vec<bool> {
+    /// What comes near each sphere; nothing at all if to find out would be much work.
+    pub(super) fn near_spheres(&self) -> Vec<Vec<PrimitiveId>> {
         /// Most pairs of a sphere and a primitive that are looked at.
         const PAIRS: usize = 1 << 18;
         let members: Vec<(u32, Item)> = self.members().collect();
@@ -84,24 +70,26 @@ impl Geometry {
         }
         let (low, high) = self.bvh.bounds().unwrap_or_default();
         let largest = low.abs().max(high.abs()).max(self.origin.abs()).max_element();
-        let is_apart = |index: usize| {
+        let is_near = |index: usize, slot: u32, item: Item| {
             let Sphere { center, radius } = self.spheres[index].0;
-            members.iter().all(|&(slot, item)| {
-                let on = if let Item::Triangle(_) = item { ON_TRIANGLES } else { ON };
-                let (Reach { nearest, farthest }, room) =
-                    (self.reach(slot, center), 4.0 * PROBE * on * largest);
-                matches!(item, Item::Sphere(i) if i as usize == index)
-                    || nearest > radius + room
-                    || farthest < radius - room
-            })
+            let on = if let Item::Triangle(_) = item { ON_TRIANGLES } else { ON };
+            let (Reach { nearest, farthest }, room) = (self.reach(slot, center), 4.0 * PROBE * on * largest);
+            (nearest - room..=farthest + room).contains(&radius)
         };
-        (0..self.spheres.len()).map(is_apart).collect()
+        let near = |index: usize| {
+            let others =
+                members.iter().filter(|(_, item)| !matches!(item, Item::Sphere(i) if *i as usize == index));
+            let near = others.filter(|(slot, item)| is_near(index, *slot, *item));
+            near.map(|&(item, _)| PrimitiveId { item, triangle: 0 }).collect()
+        };
+        (0..self.spheres.len()).map(near).collect()
     }
 
     /// All other primitives that lie upon `primitive` at one of its points, in the order in which they were given.
     pub fn upon(&self, primitive: PrimitiveId, point: DVec3) -> Vec<PrimitiveId> {
         if let Item::Sphere(i) = self.item(primitive.item)
-            && self.is_apart.get(i as usize) == Some(&true)
+            && let Some(near) = self.near_spheres.get(i as usize)
+            && !near.iter().any(|&other| self.coincide(primitive, other, point))
         {
             return Vec::new();
         }
@@ -115,6 +103,37 @@ impl Geometry {
         found.retain(|&other| other != primitive && self.coincide(primitive, other, point));
         found.sort_by_key(|&other| self.given(other));
         found
+    }
+}
+
+/// A segment that leaves all that coincides with a primitive at its start.
+struct PastStart<'a, S> {
+    geometry: &'a Geometry,
+    /// World coordinates.
+    segment: &'a S,
+    leaves: PrimitiveId,
+}
+
+impl<S> Clone for PastStart<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S> Copy for PastStart<'_, S> {}
+
+impl<S: Segment> Leaving for PastStart<'_, S> {
+    fn starts_on(&self, primitive: PrimitiveId) -> bool {
+        self.leaves == primitive
+    }
+
+    fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool {
+        let Self { geometry, segment, leaves } = *self;
+        let start = segment.chord().start;
+        leaves != primitive
+            && s < f64::INFINITY
+            && geometry.is_near_start(start, segment.point(s))
+            && geometry.coincide(leaves, primitive, start)
     }
 }
 

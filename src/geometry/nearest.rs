@@ -17,7 +17,7 @@ impl Geometry {
     /// the hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        let first = widest(First::<S, false> { geometry: self, segment, leaves })?;
+        let first = self.first(segment, leaves)?;
         let point = segment.point(first.s);
         if leaves != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
             return self.past_start(segment, leaves, first);
@@ -25,66 +25,70 @@ impl Geometry {
         Some(first)
     }
 
-    /// The same, with all crossings at the start of the segment left out that are of what coincides with what it starts on.
-    pub(super) fn intersect_past_start<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        widest(First::<S, true> { geometry: self, segment, leaves })
+    /// The first hit of a segment that leaves what `leaves` tells.
+    #[inline]
+    pub(super) fn first<S: Segment, L: Leaving>(&self, segment: &S, leaves: L) -> Option<Hit> {
+        widest(First { geometry: self, segment, leaves })
+    }
+}
+
+/// What a segment starts on; crossings at its start do not count.
+pub(super) trait Leaving: Copy {
+    /// Whether it starts on a primitive.
+    fn starts_on(&self, primitive: PrimitiveId) -> bool;
+
+    /// Whether a crossing of another primitive at `s` is but the start: the segment leaves that one as well.
+    fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool;
+}
+
+/// A primitive alone.
+impl Leaving for PrimitiveId {
+    #[inline(always)]
+    fn starts_on(&self, primitive: PrimitiveId) -> bool {
+        *self == primitive
+    }
+
+    #[inline(always)]
+    fn leaves_also(&self, _: PrimitiveId, _: f64) -> bool {
+        false
     }
 }
 
 /// A search, for the widest vectors that the machine has.
-struct First<'a, S, const PAST_START: bool> {
+struct First<'a, S, L> {
     geometry: &'a Geometry,
     segment: &'a S,
-    leaves: PrimitiveId,
+    leaves: L,
 }
 
-impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for First<'_, S, PAST_START> {
+impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
     type Output = Option<Hit>;
 
     #[inline(always)]
     fn call(self) -> Option<Hit> {
-        let mut nearest = Nearest::<S, PAST_START>::new(self.geometry, self.segment, self.leaves);
-        nearest.leaving.whole = PAST_START.then_some(self.segment);
+        let mut nearest = Nearest::new(self.geometry, self.segment, self.leaves);
         self.geometry.bvh.walk(&nearest.chord(), &mut nearest);
         nearest.hit
     }
 }
 
-/// Looks for the first hit in the top hierarchy; with `PAST_START`, beyond what coincides with what the segment starts on.
-pub(super) struct Nearest<'a, S, const PAST_START: bool> {
-    leaving: Leaving<'a, S>,
+/// Looks for the first hit in the top hierarchy.
+pub(super) struct Nearest<'a, S, L> {
+    geometry: &'a Geometry,
     /// Relative to the origin of the geometry.
     segment: S,
     along: Along,
+    leaves: L,
     /// The first so far.
     pub(super) hit: Option<Hit>,
 }
 
-/// A segment and what it starts on.
-#[derive(Clone, Copy)]
-struct Leaving<'a, S> {
-    geometry: &'a Geometry,
-    /// World coordinates; only of a search past the start.
-    whole: Option<&'a S>,
-    leaves: PrimitiveId,
-}
-
-impl<S: Segment> Leaving<'_, S> {
-    /// Whether the crossing of another primitive at `s` is but the start of the segment, which leaves it with its own.
+impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
+    /// Along `segment` (world), which leaves what `leaves` tells.
     #[inline(always)]
-    fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool {
-        self.leaves != primitive
-            && self.whole.is_some_and(|whole| self.geometry.is_left(whole, self.leaves, s, primitive))
-    }
-}
-
-impl<'a, S: Segment, const PAST_START: bool> Nearest<'a, S, PAST_START> {
-    /// Along `segment` (world), which starts on the primitive `leaves`.
-    #[inline(always)]
-    pub(super) fn new(geometry: &'a Geometry, segment: &S, leaves: PrimitiveId) -> Self {
+    pub(super) fn new(geometry: &'a Geometry, segment: &S, leaves: L) -> Self {
         let segment = segment.shifted(-geometry.origin);
-        let leaving = Leaving { geometry, whole: None, leaves };
-        Self { leaving, segment, along: Along::new(segment.chord()), hit: None }
+        Self { geometry, segment, along: Along::new(segment.chord()), leaves, hit: None }
     }
 
     /// What is to be walked along.
@@ -97,57 +101,25 @@ impl<'a, S: Segment, const PAST_START: bool> Nearest<'a, S, PAST_START> {
     #[inline(always)]
     fn consider(&mut self, s: f64, item: u32, triangle: u32) {
         let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
-        if s < f64::INFINITY && self.hit.is_none_or(|best| self.leaving.geometry.is_before(&hit, &best)) {
+        if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
             self.along.end_at(self.segment.point(s));
         }
     }
-
-    /// First crossing of what is no triangle, by parameter (infinite if there is none) and triangle of an instance.
-    fn cross_other(&self, slot: u32) -> (f64, u32) {
-        let (geometry, segment) = (self.leaving.geometry, &self.segment);
-        let primitive = PrimitiveId { item: slot, triangle: 0 };
-        let own = self.leaving.leaves == primitive;
-        match geometry.item(slot) {
-            Item::Sphere(i) => {
-                let sphere = &geometry.spheres[i as usize].0;
-                let s = segment.cross_sphere(sphere, own);
-                let again = PAST_START && self.leaving.leaves_also(primitive, s);
-                (if again { segment.cross_sphere(sphere, true) } else { s }, 0)
-            }
-            Item::Disk(i) => {
-                let disk = &geometry.disks[i as usize].0;
-                let s = segment.cross_disk(disk, own);
-                let again = PAST_START && self.leaving.leaves_also(primitive, s);
-                (if again { segment.cross_disk(disk, true) } else { s }, 0)
-            }
-            Item::Instance(i) => self.cross_instance(slot, &geometry.placed[i as usize]),
-            Item::Triangle(_) => (f64::INFINITY, 0),
-        }
-    }
-
-    /// First crossing of a triangle of a placed mesh, by parameter (infinite if there is none) and slot.
-    fn cross_instance(&self, item: u32, placed: &Placed) -> (f64, u32) {
-        let leaving = self.leaving;
-        let Some(shared) = &leaving.geometry.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
-        let segment = self.segment.transformed(&placed.to_object);
-        let along = Along::new(segment.chord());
-        let hit = (f64::INFINITY, 0);
-        widest(NearestInside::<S, PAST_START> { leaving, item, shared, segment, along, hit })
-    }
 }
 
-impl<S: Segment, const PAST_START: bool> Visitor for Nearest<'_, S, PAST_START> {
+impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
-        let Leaving { geometry, leaves, .. } = self.leaving;
+        let Self { geometry, leaves, .. } = *self;
         if !geometry.singles.is_empty() {
             let mut may = self.along.screen_block::<S>(geometry.triangles.block(number));
             while let Some(slot) = next_slot(&mut may, number) {
                 let primitive = PrimitiveId { item: slot, triangle: 0 };
-                if S::BENDS || leaves != primitive {
-                    let mut s = self.segment.cross_triangle(&geometry.triangle(slot), leaves == primitive);
-                    if PAST_START && self.leaving.leaves_also(primitive, s) {
+                let own = leaves.starts_on(primitive);
+                if S::BENDS || !own {
+                    let mut s = self.segment.cross_triangle(&geometry.triangle(slot), own);
+                    if leaves.leaves_also(primitive, s) {
                         s = self.segment.cross_triangle(&geometry.triangle(slot), true);
                     }
                     self.consider(s, slot, 0);
@@ -157,7 +129,7 @@ impl<S: Segment, const PAST_START: bool> Visitor for Nearest<'_, S, PAST_START> 
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let (s, triangle) = self.cross_other(slot);
+                    let (s, triangle) = cross_other(geometry, slot, &self.segment, leaves);
                     self.consider(s, slot, triangle);
                 }
             }
@@ -167,27 +139,61 @@ impl<S: Segment, const PAST_START: bool> Visitor for Nearest<'_, S, PAST_START> 
 
     #[inline(always)]
     fn prefetch(&self, number: usize) {
-        let geometry = self.leaving.geometry;
-        if !geometry.singles.is_empty() {
-            prefetch(geometry.triangles.block(number));
+        if !self.geometry.singles.is_empty() {
+            prefetch(self.geometry.triangles.block(number));
         }
     }
 }
 
-/// Looks for the first hit in the hierarchy of a shared mesh.
-struct NearestInside<'a, S, const PAST_START: bool> {
-    leaving: Leaving<'a, S>,
-    /// Slot of the placed mesh.
+/// First crossing of what is no triangle by `segment` (relative to the origin), by parameter (infinite if there is none) and
+/// triangle of an instance.
+fn cross_other<S: Segment, L: Leaving>(geometry: &Geometry, slot: u32, segment: &S, leaves: L) -> (f64, u32) {
+    let primitive = PrimitiveId { item: slot, triangle: 0 };
+    let own = leaves.starts_on(primitive);
+    match geometry.item(slot) {
+        Item::Sphere(i) => {
+            let sphere = &geometry.spheres[i as usize].0;
+            let s = segment.cross_sphere(sphere, own);
+            (if leaves.leaves_also(primitive, s) { segment.cross_sphere(sphere, true) } else { s }, 0)
+        }
+        Item::Disk(i) => {
+            let disk = &geometry.disks[i as usize].0;
+            let s = segment.cross_disk(disk, own);
+            (if leaves.leaves_also(primitive, s) { segment.cross_disk(disk, true) } else { s }, 0)
+        }
+        Item::Instance(i) => cross_instance(geometry, slot, &geometry.placed[i as usize], segment, leaves),
+        Item::Triangle(_) => (f64::INFINITY, 0),
+    }
+}
+
+/// First crossing of a triangle of the mesh placed in a slot, by parameter (infinite if there is none) and slot in the mesh.
+fn cross_instance<S: Segment, L: Leaving>(
+    geometry: &Geometry,
     item: u32,
+    placed: &Placed,
+    segment: &S,
+    leaves: L,
+) -> (f64, u32) {
+    let Some(shared) = &geometry.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
+    let segment = segment.transformed(&placed.to_object);
+    let along = Along::new(segment.chord());
+    widest(NearestInside { shared, segment, along, leaves, item, hit: (f64::INFINITY, 0) })
+}
+
+/// Looks for the first hit in the hierarchy of a shared mesh.
+struct NearestInside<'a, S, L> {
     shared: &'a SharedMesh,
     /// In the mesh's own coordinates.
     segment: S,
     along: Along,
+    leaves: L,
+    /// Slot of the placed mesh.
+    item: u32,
     /// Parameter and slot.
     hit: (f64, u32),
 }
 
-impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for NearestInside<'_, S, PAST_START> {
+impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for NearestInside<'_, S, L> {
     type Output = (f64, u32);
 
     #[inline(always)]
@@ -198,7 +204,7 @@ impl<S: Segment, const PAST_START: bool> pulp::NullaryFnOnce for NearestInside<'
     }
 }
 
-impl<S: Segment, const PAST_START: bool> Visitor for NearestInside<'_, S, PAST_START> {
+impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
     #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
         let SharedMesh { bvh, triangles } = self.shared;
@@ -206,9 +212,9 @@ impl<S: Segment, const PAST_START: bool> Visitor for NearestInside<'_, S, PAST_S
         let mut may = self.along.screen_block::<S>(triangles.block(number));
         while let Some(slot) = next_slot(&mut may, number) {
             let primitive = PrimitiveId { item: self.item, triangle: slot };
-            let own = self.leaving.leaves == primitive;
+            let own = self.leaves.starts_on(primitive);
             let mut s = self.segment.cross_triangle(&triangles.get(slot as usize), own);
-            if PAST_START && self.leaving.leaves_also(primitive, s) {
+            if self.leaves.leaves_also(primitive, s) {
                 s = self.segment.cross_triangle(&triangles.get(slot as usize), true);
             }
             let (best, at) = self.hit;

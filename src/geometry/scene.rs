@@ -151,8 +151,8 @@ pub struct Geometry {
     pub(super) placed: Vec<Placed>,
     pub(super) counts: Counts,
     pub(super) typical_extent: f64,
-    /// Whether each sphere is apart from all else, so that nothing lies upon it; empty if that is not known.
-    pub(super) is_apart: Vec<bool>,
+    /// What comes near each sphere, so that it may lie upon it; empty if that is not known.
+    pub(super) near_spheres: Vec<Vec<PrimitiveId>>,
 }
 
 impl Geometry {

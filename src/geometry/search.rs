@@ -96,7 +96,7 @@ struct ByTurns<'a, S: SideBySide> {
 /// A walk with what it looks for, and for which lane.
 struct Turn<'a, S> {
     walk: Walk<HeapStack<u64>>,
-    nearest: Nearest<'a, S, false>,
+    nearest: Nearest<'a, S, PrimitiveId>,
     lane: usize,
 }
 
