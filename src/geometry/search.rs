@@ -52,37 +52,27 @@ impl Geometry {
             few.search::<S>(self, queries.blocks(lanes));
             for (lane, found) in found.iter_mut().enumerate() {
                 let (s, primitive) = few.first(lane);
-                let hit = (s < f64::INFINITY).then_some(Hit { s, primitive });
-                *found = hit.and_then(|hit| self.found(queries, lane, hit));
+                let point = || queries.get(lane).segment.point(s);
+                *found = (s < f64::INFINITY).then(|| Found { point: point(), primitive });
             }
         } else {
             widest(ByTurns { geometry: self, queries, found });
         }
-    }
-
-    /// What a query finds, given its first hit.
-    #[inline(always)]
-    fn found<S: SideBySide>(&self, queries: &Columns<Query<S>>, lane: usize, hit: Hit) -> Option<Found> {
-        let Query { segment, leaves, .. } = queries.get(lane);
-        let point = segment.point(hit.s);
-        if leaves != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
-            return self.found_past_start(queries, lane, hit);
+        for (lane, found) in found.iter_mut().enumerate() {
+            if let Some(Found { point, .. }) = found
+                && self.is_near_start(queries.get(lane).segment.chord().start, *point)
+            {
+                *found = self.found_near_start(&queries.get(lane));
+            }
         }
-        Some(Found { point, primitive: hit.primitive })
     }
 
-    /// The same for a hit near the start; apart, so that queries are read whole only here.
+    /// What a query finds of which the first hit is near the start, where what coincides with what it leaves is left as well.
     #[cold]
     #[inline(never)]
-    fn found_past_start<S: SideBySide>(
-        &self,
-        queries: &Columns<Query<S>>,
-        lane: usize,
-        hit: Hit,
-    ) -> Option<Found> {
-        let Query { segment, leaves, .. } = queries.get(lane);
-        let Hit { s, primitive } = self.past_start(&segment, leaves, hit)?;
-        Some(Found { point: segment.point(s), primitive })
+    fn found_near_start<S: SideBySide>(&self, query: &Query<S>) -> Option<Found> {
+        let Hit { s, primitive } = self.intersect(&query.segment, query.leaves)?;
+        Some(Found { point: query.segment.point(s), primitive })
     }
 }
 
@@ -134,8 +124,9 @@ impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
                     turn.walk.prefetch(bvh, &turn.nearest);
                     busy = true;
                 } else {
+                    let point = |s: f64| queries.get(turn.lane).segment.point(s);
                     let hit = turn.nearest.hit;
-                    found[turn.lane] = hit.and_then(|hit| geometry.found(queries, turn.lane, hit));
+                    found[turn.lane] = hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
                 }
             }
         }
