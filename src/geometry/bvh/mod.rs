@@ -15,6 +15,7 @@ mod thick_ray;
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::faststack::FastStack;
 use obvhs::ploc::PlocBuilder;
@@ -56,19 +57,23 @@ pub const EMPTY: u32 = u32::MAX;
 
 /// Up to this many boxes are not worth a walk. Measured on the paper's nine spheres.
 const FEW: usize = 16;
+/// Most boxes of which ties may take time in proportion to the square of their number.
+const MANY: usize = 1 << 12;
 
 impl Bvh {
     /// Builds the hierarchy over `count` boxes, on all threads. A box is (min, max), finite, and within f32's range.
     pub fn build(count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3) + Sync) -> Self {
         let mut boxes: Vec<Aabb> = (0..count).into_par_iter().map(|i| outwards(bounds(i))).collect();
         let indices: Vec<u32> = (0..count as u32).collect();
-        let bounds = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
+        let whole = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
         if count <= FEW {
             let mut order = indices;
             order.resize(count.next_multiple_of(LEAF_SIZE), EMPTY);
-            return Self { nodes: Vec::new(), order, len: count, bounds, pending: 1 };
+            return Self { nodes: Vec::new(), order, len: count, bounds: whole, pending: 1 };
         }
-        break_ties(&mut boxes);
+        if count > MANY {
+            break_ties(&mut boxes);
+        }
         let params = BvhBuildParams::medium_build();
         let (distance, precision) = (params.ploc_search_distance, params.sort_precision);
         let mut binary = PlocBuilder::with_capacity(count).build(
@@ -79,10 +84,17 @@ impl Bvh {
             params.search_depth_threshold,
         );
         drop(boxes);
+        if count > MANY {
+            let Bvh2 { nodes, primitive_indices, .. } = &mut binary;
+            nodes.par_iter_mut().filter(|node| node.is_leaf()).for_each(|node| {
+                node.set_aabb(outwards(bounds(primitive_indices[node.first_index as usize] as usize)));
+            });
+            binary.refit_all();
+        }
         ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
         binary.parents = Vec::new();
         let Wide { nodes, order, depth } = Wide::collapse(&binary);
-        Self { nodes, order, len: count, bounds, pending: depth * (WIDTH - 1) }
+        Self { nodes, order, len: count, bounds: whole, pending: depth * (WIDTH - 1) }
     }
 
     /// Box index of each leaf slot, or [`EMPTY`]; leaf after leaf.
@@ -129,7 +141,7 @@ impl Bvh {
     }
 }
 
-/// Widens boxes by different parts of themselves.
+/// Widens boxes by different parts of themselves, while they are joined to a tree.
 ///
 /// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips and
 /// fans of faces) each has the same favourite, and it would join one pair a round.
