@@ -46,7 +46,7 @@ impl Media {
 /// What light goes from and into where it goes through faces of dielectrics that lie upon each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
-    /// The innermost dielectric before.
+    /// The innermost dielectric before, if any; none where light goes through nothing.
     pub from: Option<u32>,
     /// All dielectrics after.
     pub into: Media,
@@ -55,7 +55,7 @@ pub struct Crossing {
 impl Crossing {
     /// Light in `media` that goes through nothing.
     pub fn none(media: Media) -> Self {
-        Self { from: media.current(), into: media }
+        Self { from: None, into: media }
     }
 
     /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may leave at
