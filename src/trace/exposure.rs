@@ -66,7 +66,9 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         }
         let Shot { end, .. } = follow(transport, &scene.geometry, &ray, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
-        let Meeting { primitive, surface, incidence } = meet(scene, &landing, path.media);
+        let meeting = meet(scene, &landing, path.media);
+        let incidence = meeting.incidence(landing.direction, path.media);
+        let Meeting { primitive, surface, .. } = meeting;
         if scene.materials[surface.surface.material as usize].emits() {
             met.push((primitive, surface.normal));
         }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::flock::Flock;
 use super::halt::Halt;
 use super::shoot::Ray;
-use super::stages::scatter::{Meeting, meet};
+use super::stages::scatter::meet;
 use super::transport::{Landing, Outcome, Transport};
 use super::work::Job;
 use crate::light::{Guide, Lights, Photon, View};
@@ -140,7 +140,8 @@ impl Shower<'_> {
     fn land(&self, photon: Flying, landing: &Landing) -> Event {
         let Flying { index, hops, media, mut way } = photon;
         let materials = &self.scene.materials;
-        let Meeting { surface, incidence, .. } = meet(self.scene, landing, media);
+        let meeting = meet(self.scene, landing, media);
+        let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, media));
         way.add(surface.surface.entity);
         if !materials[surface.surface.material as usize].is_specular() {
             return Event::Stays(Photon {

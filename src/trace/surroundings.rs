@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::stages::scatter::{Meeting, meet};
+use super::stages::scatter::meet;
 use super::transport::Landing;
 use crate::geometry::{Line, PrimitiveId, Segment};
 use crate::scene::Baked;
@@ -37,8 +37,8 @@ fn media_after(scene: &Baked, start: DVec3, end: DVec3) -> Option<Media> {
         let Some(hit) = scene.geometry.intersect(&line, leaves) else { return Some(media) };
         position = line.point(hit.s);
         let landing = Landing { position, direction, primitive: hit.primitive };
-        let Meeting { primitive, incidence, .. } = meet(scene, &landing, media);
-        (leaves, media) = (primitive, incidence.crossing.into);
+        let meeting = meet(scene, &landing, media);
+        (leaves, media) = (meeting.primitive, meeting.incidence(direction, media).crossing.into);
     }
     None
 }

@@ -8,7 +8,7 @@ use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::super::work::Job;
 use super::draw::Draw;
-use super::scatter::{Meeting, meet};
+use super::scatter::meet;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
@@ -148,7 +148,8 @@ pub fn conclude<Flight>(
 #[inline]
 pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;
-    let Meeting { surface, incidence, .. } = meet(job.scene, landing, vertex.media);
+    let meeting = meet(job.scene, landing, vertex.media);
+    let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, vertex.media));
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if vertex.is_bent && (front || material.emits_both_sides) {

@@ -15,57 +15,52 @@ pub struct Meeting {
     pub primitive: PrimitiveId,
     /// Its surface.
     pub surface: SurfacePoint,
-    /// How light meets it.
-    pub incidence: Incidence,
+    /// Through what light goes that is refracted.
+    crossing: Crossing,
 }
 
 /// What a path in `media` meets where it lands. Glass is met together with all that lies upon it there: what is solid stops
 /// light, and further glass is gone through with it.
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
-    let surface = scene.geometry.surface_point(landing.primitive, landing.position);
-    if is_glass(scene, &surface) {
-        return meet_glass(scene, landing, media, &surface);
+    let mut meeting = Meeting {
+        primitive: landing.primitive,
+        surface: scene.geometry.surface_point(landing.primitive, landing.position),
+        crossing: Crossing::none(media),
+    };
+    if is_glass(scene, &meeting.surface) {
+        meet_upon(scene, landing, media, &mut meeting);
     }
-    Meeting::new(landing.primitive, surface, landing.direction, media, Crossing::none(media))
+    meeting
+}
+
+impl Meeting {
+    /// How light in `media` that travels in a unit direction meets it.
+    #[inline(always)]
+    pub fn incidence(&self, direction: DVec3, media: Media) -> Incidence {
+        let SurfacePoint { normal, shading_normal, surface, .. } = self.surface;
+        let crossing = self.crossing;
+        Incidence { direction, normal, shading_normal, material: surface.material, media, crossing }
+    }
 }
 
 fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
 
-impl Meeting {
-    #[inline(always)]
-    fn new(
-        primitive: PrimitiveId,
-        surface: SurfacePoint,
-        direction: DVec3,
-        media: Media,
-        crossing: Crossing,
-    ) -> Self {
-        let incidence = Incidence {
-            direction,
-            normal: surface.normal,
-            shading_normal: surface.shading_normal,
-            material: surface.surface.material,
-            media,
-            crossing,
-        };
-        Self { primitive, surface, incidence }
-    }
-}
-
+/// Meets what lies upon glass with it.
 #[inline(never)]
-fn meet_glass(scene: &Baked, landing: &Landing, media: Media, surface: &SurfacePoint) -> Meeting {
+fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeting) {
     let &Landing { position, direction, primitive } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, scene.geometry.surface_point(other, position)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        return Meeting::new(solid, surface, direction, media, Crossing::none(media));
+        (meeting.primitive, meeting.surface) = (solid, surface);
+        return;
     }
-    let faces = std::iter::once(face(surface)).chain(others().map(|(_, other)| face(&other)));
-    Meeting::new(primitive, *surface, direction, media, Crossing::of(media, faces))
+    let faces = std::iter::once(face(&meeting.surface)).chain(others().map(|(_, other)| face(&other)));
+    meeting.crossing = Crossing::of(media, faces);
 }
 
 /// Continues a path from a surface, with four numbers in [0, 1); `None` if it ends here.

@@ -11,7 +11,7 @@ use super::draw::Numbers;
 use super::emit::emit;
 use super::light::{self, propose};
 use super::record::record_hit;
-use super::scatter::{Meeting, meet, scatter};
+use super::scatter::{meet, scatter};
 use crate::light::Target;
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
@@ -25,10 +25,17 @@ pub fn shade(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
-    let Meeting { primitive, surface, incidence } = meet(job.scene, landing, path.media);
-    let landing = &Landing { primitive, ..*landing };
-    record_hit(job, path, landing, &surface, samples);
-    emit(job, &surface, landing, vertex, path);
+    let meeting = meet(job.scene, landing, path.media);
+    let upon;
+    let landing = if meeting.primitive == landing.primitive {
+        landing
+    } else {
+        upon = Landing { primitive: meeting.primitive, ..*landing };
+        &upon
+    };
+    record_hit(job, path, landing, &meeting.surface, samples);
+    emit(job, &meeting.surface, landing, vertex, path);
+    let incidence = meeting.incidence(landing.direction, path.media);
     let is_specular = job.scene.materials[incidence.material as usize].is_specular();
     match path.gathers {
         Gathers::Lamps if !is_specular => return None,
