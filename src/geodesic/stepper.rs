@@ -18,7 +18,7 @@ pub struct Trial<R> {
 }
 
 /// From what is known of a step to its error along the orbit, which is what remains: factors calibrated on random rays
-/// around a hole, such that the error of a whole ray keeps within its tolerance (`tests/tolerance.rs`).
+/// around a hole, such that the error of a whole ray keeps within its tolerance (`tests/it/geodesics/tolerance.rs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Power of the step length with which the estimate falls.

@@ -1,0 +1,70 @@
+//! All integration tests, in one binary so that the suite links once; a module for each subject.
+
+mod support;
+
+mod geodesics {
+    mod arcs;
+    mod connections;
+    mod conservation;
+    mod extremes;
+    mod geodesic_reference;
+    mod gradient_index;
+    mod schwarzschild_rays;
+    mod steppers;
+    mod tolerance;
+}
+
+mod geometry {
+    mod bvh_oracle;
+    mod coincident;
+    mod grazing;
+    mod leaks;
+    mod scale;
+}
+
+mod light {
+    mod chi_square;
+    mod emitter_furnaces;
+    mod furnace;
+    mod irradiance;
+    mod lamp_edges;
+    mod light_density;
+    mod light_noise;
+    mod light_sampling;
+    mod lights_near_the_hole;
+}
+
+mod pictures {
+    mod background;
+    mod determinism;
+    mod einstein_ring;
+    mod flat_reference;
+    mod golden;
+    mod lensed_images;
+    mod machines;
+}
+
+mod files {
+    mod fuzz;
+    mod gltf_files;
+    mod image_files;
+    mod scene_errors;
+}
+
+mod commands {
+    mod bench;
+    mod cli;
+    mod compare;
+    mod connect;
+    mod endings;
+    mod forecast;
+    mod rays;
+    mod reading;
+    mod study;
+    mod trace;
+}
+
+mod project {
+    mod layers;
+    mod nightly;
+}
