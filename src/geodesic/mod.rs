@@ -26,7 +26,7 @@ pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};
 pub use rk4::Rk4;
-pub use rk4_paper::PaperRk4;
+pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;

@@ -5,13 +5,12 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::systems::Bounds;
-use super::{Camera, SpacetimeKind};
+use super::Camera;
 use crate::light::Punctual;
+use crate::spacetime::{ConformallyFlat, SpacetimeKind};
 
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
 const DIM: f64 = 0.02;
-/// Apparent radius of a hole from afar, in Schwarzschild radii: the critical impact parameter, 3√3/2.
-const SHADOW: f64 = 2.598_076_211_353_316;
 
 /// What is odd about where the hole is: outside of what the surfaces and the camera span, or out of the picture.
 pub(super) fn of_hole(
@@ -20,15 +19,14 @@ pub(super) fn of_hole(
     aspect: f64,
     boxes: &[(Bounds, u32)],
 ) -> Vec<String> {
-    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else {
-        return Vec::new();
-    };
+    let Some((center, medium)) = spacetime.medium() else { return Vec::new() };
+    let shadow = medium.critical_impact_parameter();
     let [x, y, z] = center.to_array().map(|value| value as f32);
     let mut notes = Vec::new();
     if let Some(bounds) = Bounds::of_all(boxes) {
         let (min, max) = (bounds.min.min(camera.position), bounds.max.max(camera.position));
         let outside = center - center.clamp(min, max);
-        if outside.length() > schwarzschild_radius {
+        if outside.length() > shadow {
             let [low, high] = [min, max].map(|corner| {
                 let [x, y, z] = corner.to_array().map(|value| value as f32);
                 format!("{x},{y},{z}")
@@ -38,16 +36,16 @@ pub(super) fn of_hole(
             ));
         }
     }
-    if is_out_of_view(center, schwarzschild_radius, camera, aspect) {
+    if is_out_of_view(center, shadow, camera, aspect) {
         notes.push(format!("the hole at {x},{y},{z} is out of the camera's view"));
     }
     notes
 }
 
-/// Whether the hole's shadow, as large as from afar, is beside the picture.
-fn is_out_of_view(center: DVec3, schwarzschild_radius: f64, camera: &Camera, aspect: f64) -> bool {
+/// Test for a hole whose shadow, of this radius from afar, is beside the picture.
+fn is_out_of_view(center: DVec3, shadow: f64, camera: &Camera, aspect: f64) -> bool {
     let offset = center - camera.position;
-    let shadow = libm::asin((SHADOW * schwarzschild_radius / offset.length()).min(1.0));
+    let shadow = libm::asin((shadow / offset.length()).min(1.0));
     let depth = offset.dot(camera.forward);
     let beyond = |side: f64, tan_half: f64| libm::atan2(side.abs(), depth) - libm::atan(tan_half);
     let across = beyond(offset.dot(camera.right), camera.tan_half_fov * aspect);
@@ -82,7 +80,7 @@ mod tests {
     }
 
     fn notes(center: DVec3) -> Vec<String> {
-        let hole = SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 0.1 };
+        let hole = SpacetimeKind::black_hole(center, 0.1);
         of_hole(hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
     }
 

@@ -15,10 +15,10 @@ use super::systems::{
     propagate_transforms, sphere_in_world,
 };
 use super::world::World;
-use super::{Baked, Camera, SpacetimeKind};
+use super::{Baked, Camera};
 use crate::geometry::{Geometry, Instance, Primitives, Surface};
 use crate::light::Punctual;
-use crate::spacetime::{Chart, Schwarzschild};
+use crate::spacetime::SpacetimeKind;
 
 /// Dissolves the entities into tables and builds the BVH.
 ///
@@ -156,8 +156,7 @@ fn checked_light(
 
 /// Whether a point is so near the horizon, or within, that no ray is followed there.
 fn is_in_hole(spacetime: SpacetimeKind, point: DVec3) -> bool {
-    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else { return false };
-    point.distance(center) <= Chart::innermost(&Schwarzschild::new(schwarzschild_radius))
+    spacetime.center().is_some_and(|center| point.distance(center) <= spacetime.innermost())
 }
 
 fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {
@@ -214,17 +213,15 @@ fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
 
 /// Rays start between the pinhole and the near plane; both must be outside.
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
-    let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = world.spacetime else {
-        return Ok(());
-    };
-    let horizon = 0.25 * schwarzschild_radius;
+    let Some(center) = world.spacetime.center() else { return Ok(()) };
+    let horizon = world.spacetime.horizon();
     let start: DVec3 = camera.position + camera.near * camera.forward;
     let distance = camera.position.distance(center).min(start.distance(center));
     if distance > horizon {
         return Ok(());
     }
     let problem = format!(
-        "the camera is inside the black hole: {distance} from its center, where the horizon is at r_s/4 = {horizon}"
+        "the camera is inside the black hole: {distance} from its center, where the horizon is at {horizon}"
     );
     let help = "move the camera away, or use a smaller schwarzschild_radius";
     match world.camera {

@@ -1,25 +1,10 @@
 //! The tables that the tracer reads: a scene with every entity dissolved.
 
-use glam::DVec3;
-
 use super::{Camera, Settings};
 use crate::geometry::Geometry;
 use crate::light::Punctual;
 use crate::shade::{Environment, Material};
-
-/// A spacetime and where its centre is placed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SpacetimeKind {
-    /// Minkowski: rays are straight.
-    Flat,
-    /// Schwarzschild in isotropic coordinates.
-    Schwarzschild {
-        /// Position of the hole, world.
-        center: DVec3,
-        /// r_s = 2M, positive.
-        schwarzschild_radius: f64,
-    },
-}
+use crate::spacetime::SpacetimeKind;
 
 /// A scene, baked.
 pub struct Baked {
@@ -53,10 +38,7 @@ impl Baked {
     /// footprint at the distance of the hole.
     pub fn arc_tolerance(&self) -> f64 {
         let settings = &self.settings;
-        let center = match self.spacetime {
-            SpacetimeKind::Flat => self.camera.position,
-            SpacetimeKind::Schwarzschild { center, .. } => center,
-        };
+        let center = self.spacetime.center().unwrap_or(self.camera.position);
         let pixel = 2.0 * self.camera.tan_half_fov / settings.height as f64;
         let footprint = pixel * self.camera.position.distance(center);
         settings.arc_tolerance.unwrap_or(PIXEL_FRACTION * settings.arc_tolerance_factor * footprint)

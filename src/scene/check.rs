@@ -1,6 +1,6 @@
 //! Checks of single values, with the place of whatever fails.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use glam::{DVec3, Vec3};
 
@@ -51,6 +51,15 @@ pub fn between(value: &Number, low: f64, high: f64, what: &str) -> Result<f64, F
     let problem = || format!("{what} must be between {low} and {high}, not {number}");
     let help = format!("write a number greater than {low} and less than {high}");
     require(number > low && number < high, value.span(), problem, &help)?;
+    Ok(number)
+}
+
+/// A number from one bound to another, both allowed; `why` is the reason for them.
+pub fn within(value: &Number, bounds: RangeInclusive<f64>, what: &str, why: &str) -> Result<f64, Fault> {
+    let number = finite(value, what)?;
+    let (low, high) = (bounds.start(), bounds.end());
+    let problem = || format!("{what} must be from {low} to {high}, not {number}: {why}");
+    require(bounds.contains(&number), value.span(), problem, &format!("write a number from {low} to {high}"))?;
     Ok(number)
 }
 

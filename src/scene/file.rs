@@ -1,6 +1,8 @@
 //! The TOML scene format: one struct per table, spans kept so that later checks can show the line.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
@@ -10,6 +12,7 @@ use toml::Spanned;
 use super::error::{Fault, suggestion};
 use super::{Background, Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
 use crate::light::Heuristic;
+use crate::spacetime::{Entry, SPACETIMES};
 
 /// A number with its place.
 pub type Number = Spanned<f64>;
@@ -42,26 +45,64 @@ pub struct SceneFile {
     pub entity: Vec<Spanned<EntityTable>>,
 }
 
-/// `[spacetime]`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// `[spacetime]`: its keys besides `kind` and `center` are the parameters of [`SPACETIMES`].
+#[derive(Debug)]
 pub struct SpacetimeTable {
-    /// Which one; the other keys have no effect when it is flat.
-    pub kind: SpacetimeName,
-    /// Position of the hole; the origin if absent.
+    /// Which one; parameters that it does not have are without effect.
+    pub kind: &'static Entry,
+    /// Position of the centre; the origin if absent.
     pub center: Option<Vector>,
-    /// r_s = 2M ≥ 0; 0 is flat.
-    pub schwarzschild_radius: Option<Number>,
+    /// Values by their keys.
+    pub parameters: BTreeMap<&'static str, Number>,
 }
 
-/// `spacetime.kind`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpacetimeName {
-    /// Minkowski.
-    Flat,
-    /// A black hole at rest that does not spin.
-    Schwarzschild,
+impl<'de> Deserialize<'de> for SpacetimeTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(SpacetimeKeys)
+    }
+}
+
+/// Reads `[spacetime]`.
+struct SpacetimeKeys;
+
+/// Names of all spacetimes, and keys of `[spacetime]`.
+static SPACETIME_NAMES: LazyLock<Vec<&str>> =
+    LazyLock::new(|| SPACETIMES.iter().map(|entry| entry.name).collect());
+static SPACETIME_KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let parameters = SPACETIMES.iter().flat_map(|entry| entry.parameters).map(|parameter| parameter.key);
+    let mut keys: Vec<&str> = ["kind", "center"].into_iter().chain(parameters).collect();
+    let mut known = BTreeSet::new();
+    keys.retain(|key| known.insert(*key));
+    keys
+});
+
+impl<'de> Visitor<'de> for SpacetimeKeys {
+    type Value = SpacetimeTable;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a table that describes a spacetime")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SpacetimeTable, A::Error> {
+        let (mut kind, mut center, mut parameters) = (None, None, BTreeMap::new());
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "kind" => {
+                    let name: String = map.next_value()?;
+                    let entry = Entry::named(&name);
+                    kind = Some(entry.ok_or_else(|| de::Error::unknown_variant(&name, &SPACETIME_NAMES))?);
+                }
+                "center" => center = Some(map.next_value()?),
+                other => {
+                    let known = SPACETIME_KEYS.iter().find(|key| **key == other);
+                    let key = known.ok_or_else(|| de::Error::unknown_field(other, &SPACETIME_KEYS))?;
+                    parameters.insert(*key, map.next_value()?);
+                }
+            }
+        }
+        let kind = kind.ok_or_else(|| de::Error::missing_field("kind"))?;
+        Ok(SpacetimeTable { kind, center, parameters })
+    }
 }
 
 /// `[camera]`.

@@ -3,13 +3,12 @@
 use glam::DAffine3;
 use hecs::Entity;
 
-use super::SpacetimeKind;
 use super::check::LARGEST;
 use super::components::{HoleMark, WorldTransform};
 use super::error::Fault;
-use super::populate::black_hole;
 use super::systems::is_representable;
 use super::world::World;
+use crate::spacetime::SpacetimeKind;
 
 /// Puts a hole where the first mark is, unless the scene or an option says what spacetime there is.
 pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
@@ -42,13 +41,15 @@ pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
             "place it no farther than 1e18 from the origin, with a smaller radius and scale",
         ));
     }
-    world.spacetime = black_hole(center, radius);
-    match world.spacetime {
-        SpacetimeKind::Flat => world.warnings.push(format!("`{name}` places no hole, since its radius is 0")),
-        SpacetimeKind::Schwarzschild { .. } => world.notes.push(format!(
-            "`{name}` places a black hole of Schwarzschild radius {} at {},{},{}",
-            radius as f32, center.x as f32, center.y as f32, center.z as f32
-        )),
+    world.spacetime = SpacetimeKind::black_hole(center, radius);
+    if world.spacetime.is_flat() {
+        world.warnings.push(format!("`{name}` places no hole, since its radius is 0"));
+    } else {
+        let [x, y, z] = center.to_array().map(|value| value as f32);
+        let radius = radius as f32;
+        world
+            .notes
+            .push(format!("`{name}` places a black hole of Schwarzschild radius {radius} at {x},{y},{z}"));
     }
     Ok(())
 }

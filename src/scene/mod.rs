@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-pub use baked::{Baked, SpacetimeKind};
+pub use baked::Baked;
 pub use camera::Camera;
 pub use error::{Place, SceneError};
 pub use settings::{
@@ -36,6 +36,7 @@ pub use settings::{
 
 use crate::asset::{AssetError, Files, Memory, load_image};
 use crate::shade::Environment;
+use crate::spacetime::SpacetimeKind;
 use error::{Fault, SourceText};
 use populate::Source;
 use world::World;
@@ -211,7 +212,7 @@ fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(
             format!("give numbers X,Y,Z,RS of at most {:e}, and RS at least 0", check::LARGEST),
         ));
     }
-    world.spacetime = populate::black_hole(DVec3::new(x, y, z), radius);
+    world.spacetime = SpacetimeKind::black_hole(DVec3::new(x, y, z), radius);
     world.has_own_spacetime = true;
     Ok(())
 }

@@ -11,17 +11,18 @@ use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, Spher
 use super::error::{Fault, suggestion};
 use super::file::{
     CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
-    RenderTable, Rotation, SceneFile, SkyName, SpacetimeName, SpacetimeTable, SphereTable, Text,
+    RenderTable, Rotation, SceneFile, SkyName, SpacetimeTable, SphereTable, Text,
     TransformTable,
 };
 use super::foreign;
 use super::light::light;
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, SpacetimeKind, bare_name};
+use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, bare_name};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Environment, LatLong, Lobe, Material};
+use crate::spacetime::{Entry, Parameter, Range, SpacetimeKind};
 
 /// Largest image side, pixels.
 pub(super) const MAX_SIDE: usize = 1 << 16;
@@ -95,31 +96,24 @@ pub(super) fn populate(file: SceneFile, source: &Source) -> Result<World, Fault>
 fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Result<SpacetimeKind, Fault> {
     let (span, table) = (table.span(), table.get_ref());
     let center = table.center.as_ref().map_or(Ok(DVec3::ZERO), |at| check::finite_vector(at, "center"))?;
-    let radius = table.schwarzschild_radius.as_ref();
-    let radius = radius.map(|radius| check::non_negative(radius, "schwarzschild_radius")).transpose()?;
-    match (table.kind, radius) {
-        (SpacetimeName::Flat, None | Some(0.0)) => Ok(SpacetimeKind::Flat),
-        (SpacetimeName::Flat, Some(_)) => {
-            warnings.push(
-                "spacetime.schwarzschild_radius has no effect, since spacetime.kind is flat".to_owned(),
-            );
-            Ok(SpacetimeKind::Flat)
+    let Entry { name, parameters, .. } = table.kind;
+    for (key, value) in &table.parameters {
+        if parameters.iter().all(|parameter| parameter.key != *key) && *value.get_ref() != 0.0 {
+            warnings.push(format!("spacetime.{key} has no effect, since spacetime.kind is {name}"));
         }
-        (SpacetimeName::Schwarzschild, Some(radius)) => Ok(black_hole(center, radius)),
-        (SpacetimeName::Schwarzschild, None) => Err(Fault::at(
-            span,
-            "a spacetime of kind schwarzschild needs a radius",
-            "add `schwarzschild_radius = ...`, in scene units",
-        )),
     }
-}
-
-/// Schwarzschild spacetime, or flat space if the radius is 0.
-pub(super) fn black_hole(center: DVec3, schwarzschild_radius: f64) -> SpacetimeKind {
-    if schwarzschild_radius == 0.0 {
-        return SpacetimeKind::Flat;
+    let mut values = Vec::with_capacity(parameters.len());
+    for Parameter { key, noun, range, .. } in *parameters {
+        let Some(value) = table.parameters.get(key) else {
+            let help = format!("add `{key} = ...`{}", if *range == Range::Length { ", in scene units" } else { "" });
+            return Err(Fault::at(span, format!("a spacetime of kind {name} needs {noun}"), help));
+        };
+        values.push(match *range {
+            Range::Length => check::non_negative(value, key)?,
+            Range::Ratio { least, most, why } => check::within(value, least..=most, key, why)?,
+        });
     }
-    SpacetimeKind::Schwarzschild { center, schwarzschild_radius }
+    Ok(table.kind.with(center, &values))
 }
 
 fn environment(

@@ -12,10 +12,11 @@ use super::components::{
     Name, Parent,
 };
 use super::error::Fault;
-use super::{Settings, SpacetimeKind};
+use super::Settings;
 use crate::asset::{AssetError, Files, Model, Node, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material};
+use crate::spacetime::SpacetimeKind;
 
 /// A scene before it is baked.
 pub(super) struct World {

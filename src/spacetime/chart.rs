@@ -1,6 +1,6 @@
 //! How rays end: the fate that constants of motion decide, and where around a scene a ray need not be followed further.
 
-use super::ConformallyFlat;
+use super::conformally_flat::ConformallyFlat;
 
 /// How a ray ends if nothing is in its way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,9 +46,10 @@ impl Chart {
         Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }
     }
 
-    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met.
+    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0, where
+    /// the photon sphere tells the scale.
     pub fn innermost<M: ConformallyFlat>(medium: &M) -> f64 {
-        medium.horizon() * (1.0 + HORIZON_MARGIN)
+        (medium.horizon() * (1.0 + HORIZON_MARGIN)).max(HORIZON_MARGIN * medium.photon_sphere())
     }
 
     /// Whether a ray of this fate at the inverse radius `w`, moving inwards at the rate `v` = dw/dψ, need not be

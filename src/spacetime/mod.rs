@@ -1,4 +1,4 @@
-//! Spacetimes: one file each, and how rays in them end.
+//! Spacetimes: one file each and one line in [`kind`], and how rays in them end.
 //!
 //! # Adding a static, spherically symmetric spacetime
 //!
@@ -21,45 +21,20 @@
 //! }
 //! assert_eq!(Weak { k: 2.0 }.index_squared(0.5), 1.5);
 //! ```
+//!
+//! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene files,
+//! `--spacetime`, `info`, meshes, light sampling and all studies follow.
 
 mod chart;
+mod conformally_flat;
+mod kind;
+mod parameter;
+mod reissner_nordstrom;
 mod schwarzschild;
 
 pub use chart::{Chart, Fate};
+pub use conformally_flat::ConformallyFlat;
+pub use kind::{Entry, Metric, Named, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use parameter::{Parameter, Range};
+pub use reissner_nordstrom::ReissnerNordstrom;
 pub use schwarzschild::Schwarzschild;
-
-use crate::math::real::Real;
-
-/// A static, spherically symmetric spacetime in isotropic coordinates centred on the origin.
-///
-/// Its null rays are those of an optical medium of index n = Ψ/N, a function of the inverse isotropic radius w = 1/ρ.
-/// n is analytic at w = 0, where it is 1.
-pub trait ConformallyFlat: Copy + Send + Sync {
-    /// n² at the inverse radius `w`.
-    fn index_squared<R: Real>(&self, w: R) -> R;
-
-    /// The index n at the inverse radius `w`.
-    #[inline(always)]
-    fn index<R: Real>(&self, w: R) -> R {
-        self.index_squared(w).sqrt()
-    }
-
-    /// ½ d(n²)/dw at the inverse radius `w`: the pull towards the centre, times ρ².
-    fn pull<R: Real>(&self, w: R) -> R;
-
-    /// The lapse N at the inverse radius `w`: how fast a clock at rest runs beside coordinate time. 1 in a medium that only
-    /// bends light.
-    fn lapse(&self, _w: f64) -> f64 {
-        1.0
-    }
-
-    /// Isotropic radius of the horizon, 0 if there is none.
-    fn horizon(&self) -> f64;
-
-    /// Isotropic radius of the outermost circular ray, 0 if there is none: outside it, a ray that moves outwards never
-    /// turns back.
-    fn photon_sphere(&self) -> f64;
-
-    /// Impact parameter below which a ray that comes in from outside is captured, 0 if none is.
-    fn critical_impact_parameter(&self) -> f64;
-}

@@ -4,7 +4,11 @@
 //!
 //! References: \[J\] Jackson, Normann, Hatledal 2025, "The Warped Universe". \[D\] Darwin 1959, Proc. R. Soc. A 249, 180.
 
-use super::ConformallyFlat;
+use glam::DVec3;
+
+use super::conformally_flat::ConformallyFlat;
+use super::kind::Named;
+use super::parameter::{Parameter, SCHWARZSCHILD_RADIUS};
 use crate::math::real::Real;
 
 /// A hole of Schwarzschild radius `r_s` at the origin.
@@ -23,6 +27,21 @@ impl Schwarzschild {
     /// r_s = 2M.
     pub fn schwarzschild_radius(&self) -> f64 {
         4.0 * self.horizon
+    }
+}
+
+impl Named for Schwarzschild {
+    const NAME: &'static str = "schwarzschild";
+    const TITLE: &'static str = "Schwarzschild";
+    const SUMMARY: &'static str = "A hole of Schwarzschild radius `rs` at the origin; isotropic coordinates";
+    const PARAMETERS: &'static [Parameter] = &[SCHWARZSCHILD_RADIUS];
+
+    fn new(values: &[f64]) -> Self {
+        Self::new(values[0])
+    }
+
+    fn values(&self) -> Vec<f64> {
+        vec![self.schwarzschild_radius()]
     }
 }
 
@@ -69,5 +88,16 @@ impl ConformallyFlat for Schwarzschild {
     /// (3√3/2) r_s \[D\].
     fn critical_impact_parameter(&self) -> f64 {
         1.5 * 3.0_f64.sqrt() * self.schwarzschild_radius()
+    }
+
+    /// \[J, eqs. 7, 8\], which hold on null rays: the paper's renormalisation to |p| = 1 makes them timelike and is left
+    /// out.
+    fn motion(&self, x: DVec3, p: DVec3) -> (DVec3, DVec3) {
+        let (r, r_s) = (x.length(), self.schwarzschild_radius());
+        let u = r_s / (4.0 * r);
+        let (plus, minus) = (1.0 + u, 1.0 - u);
+        let velocity = p * (minus * minus / plus.powi(6));
+        let pull = p.length_squared() * minus * minus / plus.powi(7) + 1.0 / (1.0 - u * u);
+        (velocity, x * (-r_s / (2.0 * r * r * r) * pull))
     }
 }

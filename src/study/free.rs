@@ -8,8 +8,8 @@ use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
 use crate::math::dual::Dual;
 use crate::math::exact;
 use crate::math::real::Real;
-use crate::scene::{Precision, SpacetimeKind, StepperKind};
-use crate::spacetime::{ConformallyFlat, Fate, Schwarzschild};
+use crate::scene::{Precision, StepperKind};
+use crate::spacetime::{ConformallyFlat, Fate, Parameter, Range, SpacetimeKind, SpacetimeVisitor};
 use crate::trace::steppers::{UseStepper, with_stepper};
 
 /// A ray to be followed.
@@ -134,8 +134,8 @@ pub struct Fault {
 /// Something that describes a ray and how it is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// The Schwarzschild radius.
-    SchwarzschildRadius,
+    /// The parameter of the spacetime that tables have in this column.
+    Parameter(&'static str),
     /// The point where the ray starts.
     Start,
     /// Its direction.
@@ -200,18 +200,30 @@ fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accurac
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
-    match spacetime {
-        SpacetimeKind::Flat => Ok(A::straight(straight(lengths.start(ray, DVec3::ZERO)?, DVec3::ZERO, ray))),
-        SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
-            let x = lengths.start(ray, center)?;
-            if schwarzschild_radius == 0.0 {
-                return Ok(A::straight(straight(x, center, ray)));
-            }
-            lengths
-                .check(Input::SchwarzschildRadius, "the Schwarzschild radius", schwarzschild_radius)
-                .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })?;
-            curved(&Schwarzschild::new(schwarzschild_radius), x, center, ray, accuracy)
-        }
+    let x = lengths.start(ray, spacetime.center().unwrap_or_default())?;
+    for (parameter, value) in spacetime.parameters() {
+        lengths.check_parameter(parameter, value)?;
+    }
+    spacetime.visit(Asker { x, ray, accuracy, answer: PhantomData })
+}
+
+/// Follows a ray from `x`, relative to the centre if there is one.
+struct Asker<'a, A> {
+    x: DVec3,
+    ray: &'a FreeRay,
+    accuracy: &'a Accuracy,
+    answer: PhantomData<A>,
+}
+
+impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
+    type Output = Result<A, Fault>;
+
+    fn flat(self) -> Self::Output {
+        Ok(A::straight(straight(self.x, self.ray)))
+    }
+
+    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> Self::Output {
+        curved(&medium, self.x, center, self.ray, self.accuracy)
     }
 }
 
@@ -254,6 +266,22 @@ impl Lengths {
         }
         let remedy = format!("give a length above 0, from {least:e} to {most:e}");
         Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+    }
+
+    /// Refuses values that a parameter of a spacetime may not have.
+    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), Fault> {
+        let input = Input::Parameter(parameter.column);
+        match parameter.range {
+            Range::Length => self
+                .check(input, parameter.noun, value)
+                .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault }),
+            Range::Ratio { least, most, .. } if (least..=most).contains(&value) => Ok(()),
+            Range::Ratio { least, most, why } => Err(Fault {
+                input,
+                cause: format!("{} is {value}: {why}", parameter.noun),
+                remedy: format!("give a number from {least} to {most}"),
+            }),
+        }
     }
 
     /// The start of `ray` relative to `center`.
@@ -428,8 +456,8 @@ fn drift_l(before: f64, after: f64) -> Option<f64> {
     (before > 0.0).then(|| (after - before) / before)
 }
 
-/// Follows a ray in flat space from `x` relative to the centre of its sphere, in closed form.
-fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Exit {
+/// Follows a ray in flat space from `x`, its sphere about the origin, in closed form.
+fn straight(x: DVec3, ray: &FreeRay) -> Exit {
     let (rho, r_out) = (x.length(), ray.r_out);
     let direction = ray.direction.normalize();
     let b = spin(x, ray.direction);
@@ -441,7 +469,7 @@ fn straight(x: DVec3, center: DVec3, ray: &FreeRay) -> Exit {
         let way = way.max(0.0);
         let position = x + way * direction;
         Crossing {
-            position: position + center,
+            position,
             direction,
             time: way,
             swept: libm::atan2(b * way, rho * rho + way * along),
@@ -459,7 +487,7 @@ mod tests {
     use super::*;
 
     const HOLE: SpacetimeKind =
-        SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 };
+        SpacetimeKind::black_hole(DVec3::ZERO, 1.0);
     const ACCURACY: Accuracy =
         Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-11, precision: Precision::F64 };
 
@@ -534,7 +562,7 @@ mod tests {
 
     #[test]
     fn a_line_is_the_limit_of_rays_around_a_small_hole() {
-        let small = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1e-13 };
+        let small = SpacetimeKind::black_hole(DVec3::ZERO, 1e-13);
         let cases = [
             ray([3.0, 1.0, -2.0], [0.1, 2.0, 0.3], 7.0),
             ray([3.0, 1.0, -2.0], [-3.0, 0.5, 0.3], 7.0),
@@ -562,7 +590,7 @@ mod tests {
     fn a_hole_elsewhere_moves_the_ray_with_it() {
         let center = DVec3::new(4.0, -8.0, 2.0);
         let ray = ray([3.0, 1.0, -2.0], [-3.0, 2.5, 0.0], 7.0);
-        let there = SpacetimeKind::Schwarzschild { center, schwarzschild_radius: 1.0 };
+        let there = SpacetimeKind::black_hole(center, 1.0);
         let moved = exit(there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
         let here = exit(HOLE, ray).crossing.unwrap();
         assert_eq!(moved, Crossing { position: here.position + center, ..here });
@@ -598,8 +626,8 @@ mod tests {
         for (ray, input) in cases {
             assert_eq!(trace(HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
         }
-        let anti = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: -1.0 };
-        assert_eq!(trace(anti, &good, &ACCURACY).unwrap_err().input, Input::SchwarzschildRadius);
+        let anti = SpacetimeKind::black_hole(DVec3::ZERO, -1.0);
+        assert_eq!(trace(anti, &good, &ACCURACY).unwrap_err().input, Input::Parameter("rs"));
         let paper = Accuracy { stepper: StepperKind::Rk4Paper, ..ACCURACY };
         assert_eq!(trace(HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
     }

@@ -10,8 +10,7 @@ use super::work::Job;
 use crate::light::{
     Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Neighbourhood, Receiver, Sight, Straight, Target,
 };
-use crate::scene::{Baked, LightSampling, SpacetimeKind};
-use crate::spacetime::Schwarzschild;
+use crate::scene::{Baked, LightSampling};
 
 /// What light sampling needs.
 pub struct Illumination {
@@ -51,13 +50,13 @@ impl Illumination {
             return None;
         }
         let straight = settings.light_sampling == LightSampling::Straight;
-        let sight: Box<dyn Sight> = match scene.spacetime {
-            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } if !straight => {
-                Box::new(Lensed::new(Schwarzschild::new(schwarzschild_radius), center, settings.max_winding)?)
+        let sight: Box<dyn Sight> = match scene.spacetime.medium() {
+            Some((center, metric)) if !straight => {
+                Box::new(Lensed::new(metric, center, settings.max_winding)?)
             }
             _ => Box::new(Straight),
         };
-        let floor = if scene.spacetime == SpacetimeKind::Flat { 0.0 } else { FLOOR };
+        let floor = if scene.spacetime.is_flat() { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
         let heuristic = (!straight).then_some(settings.heuristic);

@@ -3,6 +3,7 @@
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
 
+mod choice;
 pub mod curved;
 mod edges;
 mod exposure;
@@ -34,27 +35,20 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::film::{Aov, Image};
-use crate::geodesic::{Arc, Control};
-use crate::light::Punctual;
-use crate::scene::{Baked, Precision, SpacetimeKind};
-use crate::spacetime::{Chart, ConformallyFlat, Schwarzschild};
-use curved::march::march;
-use curved::{Curved, Lane};
+use crate::scene::Baked;
+use choice::with_render_transport;
 use edges::Edges;
 pub use fate::Fate;
 use halt::Halt;
 use illumination::Illumination;
 pub use illumination::LightSummary;
-use paper::PaperMarch;
 pub use probe::{Probe, Reading, probe};
 use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
-use straight::Straight;
 use tile::Tile;
 pub use trail::{Trail, trails};
 use transport::{Errand, Transport};
@@ -154,88 +148,6 @@ fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
         Err(_) => work(),
     }
 }
-
-/// Runs `errand` with the transport of a render.
-fn with_render_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
-    // Without a sky nobody asks where rays go that leave.
-    let sky = !scene.environment.is_black();
-    with_transport_to(scene, f64::INFINITY, sky, errand)
-}
-
-/// Runs `errand` with the transport that the scene's spacetime and settings call for.
-fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
-    with_transport_to(scene, f64::INFINITY, true, errand)
-}
-
-/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not, and
-/// leaving ones to infinity only for a `sky`.
-fn with_transport_to<E: Errand>(scene: &Baked, core: f64, sky: bool, errand: E) -> E::Output {
-    let settings = &scene.settings;
-    let (center, r_s) = match scene.spacetime {
-        SpacetimeKind::Flat => return errand.run(&Straight::new(scene.geometry.bounds())),
-        SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => (center, schwarzschild_radius),
-    };
-    let medium = Schwarzschild::new(r_s);
-    let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-    // Nothing tells a light ray that it has passed a light without extent which it was not followed to.
-    let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
-    let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
-    let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
-    match settings.precision {
-        Precision::F32 => place.run::<f32, E>(scene, errand),
-        Precision::F64 => place.run::<f64, E>(scene, errand),
-    }
-}
-
-/// A spacetime in its place.
-struct Place<M> {
-    medium: M,
-    center: DVec3,
-    /// Whether it matters where rays go that leave.
-    sky: bool,
-    chart: Chart,
-}
-
-impl Place<Schwarzschild> {
-    fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
-        match self.curved::<R>(scene) {
-            Some(curved) => errand.run(&curved),
-            None => errand.run(&PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
-        }
-    }
-}
-
-impl<M: ConformallyFlat + 'static> Place<M> {
-    /// Rays on orbits; `None` if the stepper knows none.
-    fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
-        let arc_tolerance = scene.arc_tolerance();
-        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
-        let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
-        let outer = R::of(self.chart.outer);
-        Some(Curved {
-            medium: self.medium,
-            march: march(self.medium, scene.settings.stepper, control, outer)?,
-            control,
-            tolerance: scene.settings.tolerance,
-            arc_tolerance,
-            center: self.center,
-            sky: self.sky,
-            chart: self.chart,
-            longest_sagitta: if scene.geometry.is_few::<Arc>() {
-                f64::INFINITY
-            } else {
-                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
-            },
-            longest_chord: CHORD * low.distance(high),
-            bounds: (low, high),
-        })
-    }
-}
-
-/// Longest chord of a searched arc, relative to the diagonal of the geometry.
-const CHORD: f64 = 8.0;
-/// Largest sagitta of a searched arc, relative to the median primitive.
-const SAGITTA: f64 = 1.0;
 
 struct Renderer<'a> {
     scene: &'a Baked,

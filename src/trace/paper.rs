@@ -5,11 +5,11 @@
 use glam::DVec3;
 
 use super::transport::{Advancing, Landing, Outcome, Transport};
-use crate::geodesic::{Control, End, Launch, PaperRk4, Phase, Rkn6, follow};
+use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
-use crate::spacetime::{Chart, ConformallyFlat, Fate, Schwarzschild};
+use crate::spacetime::{Chart, ConformallyFlat, Fate};
 
 /// First step \[J\].
 const FIRST_STEP: f64 = 10.0;
@@ -25,9 +25,9 @@ const LARGEST_STEP: f64 = 20.0;
 const MAX_ITERATIONS: u32 = 300;
 
 /// The paper's march around a hole.
-pub struct PaperMarch {
+pub struct PaperMarch<M> {
     /// The spacetime.
-    pub medium: Schwarzschild,
+    pub medium: M,
     /// World position of the hole.
     pub center: DVec3,
     /// Where rays may stop.
@@ -65,7 +65,7 @@ columns! {
 /// Error of the direction at infinity, radians: the paper's room has no sky, so this is not a part of its scheme.
 const TAIL: f64 = 1e-6;
 
-impl PaperMarch {
+impl<M: ConformallyFlat> PaperMarch<M> {
     fn direction_at_infinity(&self, position: DVec3, momentum: DVec3) -> Outcome<PaperFlight> {
         let orbit = Launch::new(&self.medium, position, momentum, f64::EPSILON);
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
@@ -96,7 +96,7 @@ impl Kernel for Asking {
     }
 }
 
-impl Transport for PaperMarch {
+impl<M: ConformallyFlat> Transport for PaperMarch<M> {
     type Flight = PaperFlight;
     type Move = PaperMove;
     type Segment = Line;
@@ -115,8 +115,8 @@ impl Transport for PaperMarch {
 
     #[inline(always)]
     fn advance(&self, flight: &PaperFlight) -> PaperMove {
-        let rk4 = PaperRk4 { r_s: self.medium.schwarzschild_radius() };
-        let (position, momentum) = rk4.step(flight.position, flight.momentum, flight.step);
+        let state = (flight.position, flight.momentum);
+        let (position, momentum) = rk4_paper(&self.medium, state, flight.step);
         PaperMove { ahead: flight.position + flight.step * flight.momentum.normalize(), position, momentum }
     }
 

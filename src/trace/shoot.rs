@@ -9,7 +9,7 @@ use super::halt::Halt;
 use super::stages::intersect::intersect;
 use super::stats::Counters;
 use super::transport::{Errand, Landing, Outcome, Transport};
-use super::with_transport;
+use super::choice::with_transport;
 use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 

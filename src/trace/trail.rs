@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::halt::Halt;
 use super::shoot::{Ray, follow};
 use super::transport::{Errand, Outcome, Transport};
-use super::with_transport_to;
+use super::choice::with_transport_to;
 use crate::geometry::{Geometry, Segment};
 use crate::scene::{Baked, StepperKind};
 

@@ -1,0 +1,258 @@
+//! Table of all spacetimes: each has one line in [`spherical!`]; callers ask [`SpacetimeKind`] instead of matching.
+
+use glam::DVec3;
+
+use super::chart::Chart;
+use super::conformally_flat::ConformallyFlat;
+use super::parameter::{Parameter, Range};
+use super::reissner_nordstrom::ReissnerNordstrom;
+use super::schwarzschild::Schwarzschild;
+use crate::math::real::Real;
+
+/// A static, spherical spacetime that scenes, tables of rays and commands know by name.
+pub trait Named: ConformallyFlat + Into<Metric> {
+    /// Name in scene files and on the command line.
+    const NAME: &'static str;
+    /// Name in descriptions.
+    const TITLE: &'static str;
+    /// One line for the command line's help.
+    const SUMMARY: &'static str;
+    /// Parameters in the order of [`Self::new`]'s values.
+    const PARAMETERS: &'static [Parameter];
+
+    /// The spacetime with these parameters; of values out of their ranges nothing is promised.
+    fn new(values: &[f64]) -> Self;
+
+    /// Values of the parameters.
+    fn values(&self) -> Vec<f64>;
+}
+
+macro_rules! spherical {
+    ($($name:ident),* $(,)?) => {
+        /// Static, spherical spacetimes centred on the origin.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Metric {
+            $(
+                /// The spacetime of this name.
+                $name($name),
+            )*
+        }
+
+        $(impl From<$name> for Metric {
+            fn from(metric: $name) -> Self {
+                Self::$name(metric)
+            }
+        })*
+
+        impl Metric {
+            fn entry(self) -> &'static Entry {
+                match self {
+                    $(Self::$name(_) => const { &Entry::of::<$name>() },)*
+                }
+            }
+
+            fn values(self) -> Vec<f64> {
+                match self {
+                    $(Self::$name(metric) => metric.values(),)*
+                }
+            }
+
+            fn visit<V: SpacetimeVisitor>(self, center: DVec3, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$name(metric) => visitor.spherical(center, metric),)*
+                }
+            }
+        }
+
+        /// Chosen at every call: for all but the march, which is compiled for each spacetime.
+        impl ConformallyFlat for Metric {
+            fn index_squared<R: Real>(&self, w: R) -> R {
+                match self { $(Self::$name(metric) => metric.index_squared(w),)* }
+            }
+
+            fn index<R: Real>(&self, w: R) -> R {
+                match self { $(Self::$name(metric) => metric.index(w),)* }
+            }
+
+            fn pull<R: Real>(&self, w: R) -> R {
+                match self { $(Self::$name(metric) => metric.pull(w),)* }
+            }
+
+            fn lapse(&self, w: f64) -> f64 {
+                match self { $(Self::$name(metric) => metric.lapse(w),)* }
+            }
+
+            fn horizon(&self) -> f64 {
+                match self { $(Self::$name(metric) => metric.horizon(),)* }
+            }
+
+            fn photon_sphere(&self) -> f64 {
+                match self { $(Self::$name(metric) => metric.photon_sphere(),)* }
+            }
+
+            fn critical_impact_parameter(&self) -> f64 {
+                match self { $(Self::$name(metric) => metric.critical_impact_parameter(),)* }
+            }
+
+            fn motion(&self, x: DVec3, p: DVec3) -> (DVec3, DVec3) {
+                match self { $(Self::$name(metric) => metric.motion(x, p),)* }
+            }
+        }
+
+        /// All spacetimes, in the order of the command line's help.
+        pub static SPACETIMES: &[&Entry] = &[
+            $(const { &Entry::of::<$name>() },)*
+            &FLAT,
+        ];
+    };
+}
+
+spherical! {
+    Schwarzschild,
+    ReissnerNordstrom,
+}
+
+/// A spacetime and where its centre is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpacetimeKind {
+    /// Minkowski: rays are straight.
+    Flat,
+    /// Static and spherical, in isotropic coordinates.
+    Spherical {
+        /// World position of the centre.
+        center: DVec3,
+        /// The spacetime about its centre.
+        metric: Metric,
+    },
+}
+
+/// Work on a spacetime of any family: a new family does not compile until every visitor handles it.
+pub trait SpacetimeVisitor {
+    /// Result.
+    type Output;
+
+    /// In flat space.
+    fn flat(self) -> Self::Output;
+
+    /// In a static, spherical spacetime about `center`.
+    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> Self::Output;
+}
+
+/// A spacetime's entry in the table of all.
+#[derive(Debug)]
+pub struct Entry {
+    /// Name in scene files and on the command line.
+    pub name: &'static str,
+    /// Name in descriptions.
+    pub title: &'static str,
+    /// One line for the command line's help.
+    pub summary: &'static str,
+    /// Parameters in the order of values.
+    pub parameters: &'static [Parameter],
+    make: fn(DVec3, &[f64]) -> SpacetimeKind,
+}
+
+static FLAT: Entry = Entry {
+    name: "flat",
+    title: "flat",
+    summary: "No hole: straight rays",
+    parameters: &[],
+    make: |_, _| SpacetimeKind::Flat,
+};
+
+impl Entry {
+    const fn of<M: Named>() -> Self {
+        let make = |center, values: &[f64]| SpacetimeKind::Spherical { center, metric: M::new(values).into() };
+        Self { name: M::NAME, title: M::TITLE, summary: M::SUMMARY, parameters: M::PARAMETERS, make }
+    }
+
+    /// The entry of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        SPACETIMES.iter().find(|entry| entry.name == name).copied()
+    }
+
+    /// The spacetime of this name about `center`, with a value for each parameter; flat space if a length is 0.
+    pub fn with(&self, center: DVec3, values: &[f64]) -> SpacetimeKind {
+        let is_length = |parameter: &Parameter| parameter.range == Range::Length;
+        let mut lengths = self.parameters.iter().zip(values).filter(|(parameter, _)| is_length(parameter));
+        if lengths.any(|(_, length)| *length == 0.0) {
+            return SpacetimeKind::Flat;
+        }
+        (self.make)(center, values)
+    }
+}
+
+impl SpacetimeKind {
+    /// A Schwarzschild hole; flat space if the radius is 0.
+    pub fn black_hole(center: DVec3, schwarzschild_radius: f64) -> Self {
+        if schwarzschild_radius == 0.0 {
+            return Self::Flat;
+        }
+        Self::Spherical { center, metric: Metric::Schwarzschild(Schwarzschild::new(schwarzschild_radius)) }
+    }
+
+    /// Entry in the table of all.
+    pub fn entry(self) -> &'static Entry {
+        match self {
+            Self::Flat => &FLAT,
+            Self::Spherical { metric, .. } => metric.entry(),
+        }
+    }
+
+    /// Test for flat space.
+    pub fn is_flat(self) -> bool {
+        self == Self::Flat
+    }
+
+    /// World position of the centre, if there is one.
+    pub fn center(self) -> Option<DVec3> {
+        match self {
+            Self::Flat => None,
+            Self::Spherical { center, .. } => Some(center),
+        }
+    }
+
+    /// Centre and optical medium of a static, spherical spacetime.
+    pub fn medium(self) -> Option<(DVec3, Metric)> {
+        match self {
+            Self::Flat => None,
+            Self::Spherical { center, metric } => Some((center, metric)),
+        }
+    }
+
+    /// Chart radius of the horizon, 0 if there is none.
+    pub fn horizon(self) -> f64 {
+        self.medium().map_or(0.0, |(_, metric)| metric.horizon())
+    }
+
+    /// Chart radius at which a ray has reached the horizon, 0 if there is none: nothing within is ever met.
+    pub fn innermost(self) -> f64 {
+        self.medium().map_or(0.0, |(_, metric)| Chart::innermost(&metric))
+    }
+
+    /// Parameters and their values.
+    pub fn parameters(self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+        let values = self.medium().map_or_else(Vec::new, |(_, metric)| metric.values());
+        self.entry().parameters.iter().zip(values)
+    }
+
+    /// Value of the parameter with this key.
+    pub fn parameter(self, key: &str) -> Option<f64> {
+        self.parameters().find(|(parameter, _)| parameter.key == key).map(|(_, value)| value)
+    }
+
+    /// The same spacetime with another value of one parameter; unchanged if it has none of this key.
+    pub fn with_parameter(self, key: &str, value: f64) -> Self {
+        let Some(center) = self.center() else { return self };
+        let values: Vec<f64> = self.parameters().map(|(p, old)| if p.key == key { value } else { old }).collect();
+        self.entry().with(center, &values)
+    }
+
+    /// Does `visitor`'s work in the family that the spacetime is of.
+    pub fn visit<V: SpacetimeVisitor>(self, visitor: V) -> V::Output {
+        match self {
+            Self::Flat => visitor.flat(),
+            Self::Spherical { center, metric } => metric.visit(center, visitor),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Transport for a scene: by the family of its spacetime, its stepper and its precision.
+
+use glam::DVec3;
+
+use super::curved::march::march;
+use super::curved::{Curved, Lane};
+use super::paper::PaperMarch;
+use super::straight::Straight;
+use super::transport::Errand;
+use crate::geodesic::{Arc, Control};
+use crate::light::Punctual;
+use crate::scene::{Baked, Precision};
+use crate::spacetime::{Chart, ConformallyFlat, SpacetimeVisitor};
+
+/// Runs `errand` with the transport of a render.
+pub fn with_render_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
+    // Without a sky nobody asks where rays go that leave.
+    let sky = !scene.environment.is_black();
+    with_transport_to(scene, f64::INFINITY, sky, errand)
+}
+
+/// Runs `errand` with the transport that the scene's spacetime and settings call for.
+pub fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
+    with_transport_to(scene, f64::INFINITY, true, errand)
+}
+
+/// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not, and
+/// leaving ones to infinity only for a `sky`.
+pub fn with_transport_to<E: Errand>(scene: &Baked, core: f64, sky: bool, errand: E) -> E::Output {
+    scene.spacetime.visit(Choice { scene, core, sky, errand })
+}
+
+/// The choice that [`with_transport_to`] makes, a family of spacetimes each.
+struct Choice<'a, E> {
+    scene: &'a Baked,
+    core: f64,
+    sky: bool,
+    errand: E,
+}
+
+impl<E: Errand> SpacetimeVisitor for Choice<'_, E> {
+    type Output = E::Output;
+
+    fn flat(self) -> E::Output {
+        self.errand.run(&Straight::new(self.scene.geometry.bounds()))
+    }
+
+    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> E::Output {
+        let Self { scene, core, sky, errand } = self;
+        let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
+        // Nothing tells a light ray that it has passed a light without extent which it was not followed to.
+        let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
+        let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
+        let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
+        match scene.settings.precision {
+            Precision::F32 => place.run::<f32, E>(scene, errand),
+            Precision::F64 => place.run::<f64, E>(scene, errand),
+        }
+    }
+}
+
+/// A spacetime in its place.
+struct Place<M> {
+    medium: M,
+    center: DVec3,
+    /// Whether it matters where rays go that leave.
+    sky: bool,
+    chart: Chart,
+}
+
+impl<M: ConformallyFlat + 'static> Place<M> {
+    fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
+        match self.curved::<R>(scene) {
+            Some(curved) => errand.run(&curved),
+            None => errand.run(&PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
+        }
+    }
+
+    /// Rays on orbits; `None` if the stepper knows none.
+    fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
+        let arc_tolerance = scene.arc_tolerance();
+        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
+        let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
+        let outer = R::of(self.chart.outer);
+        Some(Curved {
+            medium: self.medium,
+            march: march(self.medium, scene.settings.stepper, control, outer)?,
+            control,
+            tolerance: scene.settings.tolerance,
+            arc_tolerance,
+            center: self.center,
+            sky: self.sky,
+            chart: self.chart,
+            longest_sagitta: if scene.geometry.is_few::<Arc>() {
+                f64::INFINITY
+            } else {
+                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
+            },
+            longest_chord: CHORD * low.distance(high),
+            bounds: (low, high),
+        })
+    }
+}
+
+/// Longest chord of a searched arc, relative to the diagonal of the geometry.
+const CHORD: f64 = 8.0;
+/// Largest sagitta of a searched arc, relative to the median primitive.
+const SAGITTA: f64 = 1.0;
