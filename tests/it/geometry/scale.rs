@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use crate::support::command::{Folder, assert_good, stderr};
-use crate::support::heap::HEAP;
+use crate::support::heap::{HEAP, is_alone};
 use warpfront::geometry::Mesh;
 use warpfront::scene::load;
 use warpfront::study::bench::bumpy_sphere;
@@ -73,6 +73,11 @@ fn write_glb(mesh: &Mesh, path: &Path) {
 
 #[test]
 fn a_mesh_holds_the_memory_that_info_tells_and_not_much_more_while_it_is_loaded() {
+    const TEST: &str =
+        "geometry::scale::a_mesh_holds_the_memory_that_info_tells_and_not_much_more_while_it_is_loaded";
+    if !is_alone(TEST) {
+        return;
+    }
     let folder = tempfile::tempdir().unwrap();
     let mesh = bumpy_sphere(200_000);
     let count = mesh.triangles.len();
