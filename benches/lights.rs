@@ -14,8 +14,8 @@ use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use warpfront::geometry::PrimitiveId;
 use warpfront::light::{Emission, Lensed, Lights, Receiver, Sight, Straight, Tree};
-use warpfront::scene::{self, Baked, SpacetimeKind};
-use warpfront::spacetime::Schwarzschild;
+use warpfront::scene::{self, Baked};
+use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, shoot};
 
@@ -108,9 +108,7 @@ fn propose_along_lines(bencher: Bencher) {
 #[divan::bench]
 fn propose_along_geodesics(bencher: Bencher) {
     propose(bencher, |spacetime| {
-        let SpacetimeKind::Schwarzschild { center, schwarzschild_radius } = spacetime else {
-            panic!("{SCENE}")
-        };
-        Box::new(Lensed::new(Schwarzschild::new(schwarzschild_radius), center, 1).expect("a photon sphere"))
+        let (center, metric) = spacetime.medium().expect(SCENE);
+        Box::new(Lensed::new(metric, center, 1).expect("a photon sphere"))
     });
 }

@@ -11,12 +11,13 @@ use super::help;
 use super::parse;
 use super::progress::ProgressArgs;
 use super::quality::Quality;
-use super::rays_table::Spacetime;
+use super::rays_table;
 use super::shared_args::{
     AccuracyArgs, ChangeArgs, MemoryArgs, OutputArgs, ReadArgs, RunArgs, SceneArgs, SettingArgs,
 };
 use crate::math::simd::SimdLevel;
 use crate::scene::{LightSampling, Precision, Schedule, Settings, StepperKind};
+use crate::spacetime::Entry;
 use crate::study::free::Accuracy;
 
 /// A path tracer for real scenes in warped spacetime.
@@ -183,8 +184,8 @@ pub(super) struct StudyArgs {
     )]
     pub(super) rays: Option<PathBuf>,
     /// Spacetime that the rays of --rays are in
-    #[arg(long, value_enum, value_name = "NAME", default_value = "schwarzschild", conflicts_with = "scene")]
-    pub(super) spacetime: Spacetime,
+    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME", default_value = "schwarzschild", conflicts_with = "scene")]
+    pub(super) spacetime: &'static Entry,
     /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: PathBuf,
@@ -255,8 +256,8 @@ pub(super) struct TraceArgs {
     #[arg(value_name = "RAYS.csv")]
     pub(super) rays: PathBuf,
     /// Spacetime that the rays are in
-    #[arg(long, value_enum, value_name = "NAME")]
-    pub(super) spacetime: Spacetime,
+    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME")]
+    pub(super) spacetime: &'static Entry,
     /// CSV file to write [default: standard output]
     #[arg(short, long, value_name = "OUT.csv")]
     pub(super) output: Option<PathBuf>,
@@ -264,7 +265,7 @@ pub(super) struct TraceArgs {
     #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
     quality: Quality,
     /// How rays are advanced through curved space [default: the preset's]
-    #[arg(long, value_enum, value_name = "NAME")]
+    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in
     #[arg(long, value_enum, value_name = "NAME", default_value = "f64")]
@@ -301,6 +302,9 @@ pub(super) struct ConnectArgs {
     /// CSV file with a pair of points per row
     #[arg(value_name = "PAIRS.csv")]
     pub(super) pairs: PathBuf,
+    /// Spacetime that the points are in
+    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME", default_value = "schwarzschild")]
+    pub(super) spacetime: &'static Entry,
     /// Highest order: a ray of order 0 takes the short way, of order 1 the other way round, of order 2 the short way once
     /// around the hole, and so on
     #[arg(long, value_name = "N", value_parser = parse::winding, default_value = "1", allow_hyphen_values = true)]

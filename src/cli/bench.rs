@@ -12,7 +12,7 @@ use super::units::plural;
 use super::{Outcome, memory, overwrite, print, say, say_remarks};
 use crate::film::atomic::Output;
 use crate::plot::Figure;
-use crate::scene::{self, Baked, LoadOptions, SpacetimeKind};
+use crate::scene::{self, Baked, LoadOptions};
 use crate::study::bench::{Contender, Plan, Point, Race, Refusal, Vary, race};
 use crate::study::report::bench::{Record, growth, race as single, write_csv};
 use crate::trace::Progress;
@@ -60,7 +60,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
 fn plan(args: &BenchArgs, scene: Baked) -> Result<(Vec<Baked>, Plan), Failure> {
     let contenders = [&[Contender::Wavefront][..], &distinct(&args.baseline)].concat();
     if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())
-        && scene.spacetime == SpacetimeKind::Flat
+        && scene.spacetime.is_flat()
     {
         let message = format!("--baseline {} needs a hole, and the scene is flat", contender.name());
         return Err(Failure::new(message).help("give a scene with a hole, or --black-hole"));

@@ -10,14 +10,16 @@ use glam::DVec3;
 use super::args::ConnectArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup, cell};
 use super::table::{Header, Table, line};
 use super::units::{decimal, plural};
 use super::{Outcome, say};
+use crate::spacetime::Entry;
 use crate::study::connections::{Fault, Input, Joiner, Joint, Joints, Pair};
 
-/// Columns that describe a pair, and are copied.
-const INPUTS: [&str; 7] = ["rs", "x0", "x1", "x2", "y0", "y1", "y2"];
+/// Columns of the points of a pair; copied, as those of the spacetime.
+const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
 /// Columns that are found.
 const RESULTS: [&str; 14] = [
     "winding",
@@ -42,7 +44,7 @@ pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
     Interrupt::install();
     let started = Instant::now();
     let mut table = Table::open(&args.pairs, "pair of points")?;
-    let mut job = Job::new(&table.header, args.max_winding)?;
+    let mut job = Job::new(&table.header, args.spacetime, args.max_winding)?;
     let setup = Setup {
         input: (&args.pairs, "pairs"),
         output: args.output.as_deref(),
@@ -81,26 +83,29 @@ struct Job {
     joiner: Joiner,
     max_winding: u32,
     header: Header,
+    spacetime: Parameters,
     /// Where labels, if there are any, and inputs are.
     pair: Option<usize>,
     kind: Option<usize>,
     inputs: Vec<(&'static str, usize)>,
     /// Line and inputs of the labels that have been met.
-    met: HashMap<Vec<u8>, (u64, [f64; INPUTS.len()])>,
+    met: HashMap<Vec<u8>, (u64, Pair)>,
     /// Rows read.
     rows: u64,
     counts: Counts,
 }
 
 impl Job {
-    fn new(header: &Header, max_winding: u32) -> Result<Self, Failure> {
-        let joiner = Joiner::new().ok_or_else(|| Failure::new("the hole has no photon sphere"))?;
+    fn new(header: &Header, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
+        let spacetime = Parameters::find(header, spacetime, &POINTS)?;
+        let points = header.all(&POINTS)?;
         Ok(Self {
-            joiner,
+            joiner: Joiner::default(),
             max_winding,
             pair: header.place("pair")?,
             kind: header.place("kind")?,
-            inputs: header.all(&INPUTS)?,
+            inputs: spacetime.places().chain(points).collect(),
+            spacetime,
             header: header.clone(),
             met: HashMap::new(),
             rows: 0,
@@ -109,7 +114,7 @@ impl Job {
     }
 
     /// Whether a pair of this label has been met before.
-    fn is_known(&mut self, label: &[u8], line: u64, inputs: [f64; INPUTS.len()]) -> Result<bool, Failure> {
+    fn is_known(&mut self, label: &[u8], line: u64, inputs: Pair) -> Result<bool, Failure> {
         match self.met.get(label) {
             None => {
                 self.met.insert(label.to_owned(), (line, inputs));
@@ -130,33 +135,33 @@ impl RowWise for Job {
     type Answer = Joints;
 
     fn settings(&self) -> String {
-        format!("connect --max-winding {}", self.max_winding)
+        format!("connect --spacetime {} --max-winding {}", self.spacetime.name(), self.max_winding)
     }
 
     fn names(&self) -> Vec<&'static str> {
-        ["pair", "kind"].into_iter().chain(INPUTS).chain(RESULTS).collect()
+        let inputs = self.inputs.iter().map(|(name, _)| *name);
+        ["pair", "kind"].into_iter().chain(inputs).chain(RESULTS).collect()
     }
 
     fn read(&mut self, row: ByteRecord) -> Result<Option<Task>, Failure> {
         self.rows += 1;
-        let mut inputs = [0.0; INPUTS.len()];
-        for (input, &(name, place)) in inputs.iter_mut().zip(&self.inputs) {
-            *input = self.header.number(&row, name, place)?;
+        let mut points = [0.0; POINTS.len()];
+        let places = &self.inputs[self.inputs.len() - POINTS.len()..];
+        for (number, &(name, place)) in points.iter_mut().zip(places) {
+            *number = self.header.number(&row, name, place)?;
         }
+        let spacetime = self.spacetime.of(&self.header, &row)?;
+        let pair =
+            Pair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
         let label = match self.pair {
             Some(place) => {
                 let label = row.get(place).unwrap_or_default();
-                if self.is_known(label, line(&row), inputs)? {
+                if self.is_known(label, line(&row), pair)? {
                     return Ok(None);
                 }
                 label.to_owned()
             }
             None => self.rows.to_string().into_bytes(),
-        };
-        let pair = Pair {
-            schwarzschild_radius: inputs[0],
-            x: DVec3::from_slice(&inputs[1..4]),
-            y: DVec3::from_slice(&inputs[4..7]),
         };
         Ok(Some(Task { row, label, pair }))
     }
@@ -164,7 +169,7 @@ impl RowWise for Job {
     fn answer(&self, task: &Task) -> Result<Joints, Failure> {
         let refuse = |fault: Fault| {
             let columns = match fault.input {
-                Input::SchwarzschildRadius => "column `rs`",
+                Input::Parameter(column) => &format!("column `{column}`"),
                 Input::X => "columns `x0`, `x1`, `x2`",
                 Input::Y => "columns `y0`, `y1`, `y2`",
                 Input::Both => "columns `x0` to `y2`",

@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use glam::Vec3;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::args::InfoArgs;
 use super::cost::{self, Limits};
@@ -14,8 +15,9 @@ use super::units::{bytes, plural, rounded};
 use super::{Outcome, memory, print, print_json, shown};
 use crate::geometry::Counts;
 use crate::light::Punctual;
-use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, SpacetimeKind, flag_name};
+use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
+use crate::spacetime::{ConformallyFlat, SpacetimeKind};
 use crate::study::forecast::Forecast;
 use crate::trace::{Run, probe};
 
@@ -63,12 +65,7 @@ struct Report<'a> {
     warnings: &'a [String],
 }
 
-#[derive(Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-enum Spacetime {
-    Flat,
-    Schwarzschild { center: [f64; 3], schwarzschild_radius: f64, horizon: f64, photon_sphere: f64 },
-}
+struct Spacetime(SpacetimeKind);
 
 #[derive(Serialize)]
 struct Shapes {
@@ -119,7 +116,7 @@ impl<'a> Report<'a> {
         let cost = Forecast::new(&probe, &scene.settings);
         Self {
             scene: name,
-            spacetime: Spacetime::of(scene.spacetime),
+            spacetime: Spacetime(scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
             lights: Lights::of(&scene.punctual),
@@ -170,31 +167,35 @@ impl<'a> Report<'a> {
     }
 }
 
-impl Spacetime {
-    fn of(kind: SpacetimeKind) -> Self {
-        match kind {
-            SpacetimeKind::Flat => Spacetime::Flat,
-            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => Spacetime::Schwarzschild {
-                center: center.to_array(),
-                schwarzschild_radius,
-                horizon: schwarzschild_radius / 4.0,
-                // Areal radius 3/2 r_s in the isotropic chart.
-                photon_sphere: schwarzschild_radius * (2.0 + 3f64.sqrt()) / 4.0,
-            },
+impl Serialize for Spacetime {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("kind", self.0.entry().name)?;
+        if let Some((center, metric)) = self.0.medium() {
+            map.serialize_entry("center", &center.to_array())?;
+            for (parameter, value) in self.0.parameters() {
+                map.serialize_entry(parameter.key, &value)?;
+            }
+            map.serialize_entry("horizon", &metric.horizon())?;
+            map.serialize_entry("photon_sphere", &metric.photon_sphere())?;
         }
+        map.end()
     }
+}
 
+impl Spacetime {
     fn text(&self) -> String {
-        match self {
-            Spacetime::Flat => "flat".to_owned(),
-            Spacetime::Schwarzschild { center, schwarzschild_radius, horizon, photon_sphere } => format!(
-                "Schwarzschild, r_s {} at {}; isotropic radii: horizon {}, photon sphere {}",
-                rounded(*schwarzschild_radius, PLACE),
-                point(center),
-                rounded(*horizon, 4),
-                rounded(*photon_sphere, 4)
-            ),
-        }
+        let title = self.0.entry().title;
+        let Some((center, metric)) = self.0.medium() else { return title.to_owned() };
+        let values = self.0.parameters();
+        let values: String =
+            values.map(|(p, value)| format!(", {} {}", p.symbol, rounded(value, PLACE))).collect();
+        format!(
+            "{title}{values} at {}; isotropic radii: horizon {}, photon sphere {}",
+            point(&center.to_array()),
+            rounded(metric.horizon(), 4),
+            rounded(metric.photon_sphere(), 4)
+        )
     }
 }
 
@@ -333,7 +334,7 @@ mod tests {
 
     #[test]
     fn the_text_tells_spacetime_view_film_stages_and_warnings() {
-        let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 4.0 };
+        let hole = SpacetimeKind::black_hole(DVec3::ZERO, 4.0);
         let mut scene = empty_scene(hole);
         let point = Punctual::Point { position: DVec3::ZERO, intensity: Vec3::ONE };
         let spot = Punctual::Spot {

@@ -50,7 +50,7 @@ impl From<FanError> for Failure {
     fn from(error: FanError) -> Self {
         let remedy = match error {
             FanError::InsideHorizon => {
-                "give a --from outside the hole: its horizon is at r_s/4 in these coordinates"
+                "give a --from outside the hole; `warpfront info` tells where its horizon is"
             }
             FanError::UpAlongPlane => {
                 "give an --up that is not 0 and does not point from the start of the fan to the hole"

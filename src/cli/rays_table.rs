@@ -1,40 +1,70 @@
 //! Tables of rays: a CSV file with a ray per row.
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use csv::ByteRecord;
 use glam::DVec3;
 
 use super::failure::Failure;
 use super::table::Header;
-use crate::scene::SpacetimeKind;
+use crate::spacetime::{Entry, SPACETIMES, SpacetimeKind};
 use crate::study::free::{Fault, FreeRay, Input};
 
-/// A spacetime by its name; what describes it is in the rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Spacetime {
-    /// A hole of Schwarzschild radius `rs` at the origin; isotropic coordinates
-    Schwarzschild,
-    /// No hole: straight rays
-    Flat,
+/// Reads `--spacetime`: a name from the table of all.
+pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
+    let value = |entry: &&Entry| PossibleValue::new(entry.name).help(entry.summary);
+    let names = PossibleValuesParser::new(SPACETIMES.iter().map(value));
+    names.try_map(|name| Entry::named(&name).ok_or("not a spacetime"))
 }
 
-impl Spacetime {
-    /// Columns that describe it.
-    fn parameters(self) -> &'static [&'static str] {
-        match self {
-            Spacetime::Schwarzschild => &["rs"],
-            Spacetime::Flat => &[],
+/// Columns that describe a spacetime: where they are, or what is taken where there are none.
+#[derive(Clone)]
+pub(super) struct Parameters {
+    entry: &'static Entry,
+    columns: Vec<Result<(&'static str, usize), f64>>,
+}
+
+impl Parameters {
+    /// Finds the columns; `others` are needed as well, and named where one is missing.
+    pub(super) fn find(
+        header: &Header,
+        entry: &'static Entry,
+        others: &[&'static str],
+    ) -> Result<Self, Failure> {
+        let mut columns = Vec::with_capacity(entry.parameters.len());
+        for parameter in entry.parameters {
+            let name = parameter.column;
+            columns.push(match (header.place(name)?, parameter.in_tables) {
+                (None, Some(value)) => Err(value),
+                (Some(place), _) => Ok((name, place)),
+                (None, None) => {
+                    let needed: Vec<&str> =
+                        entry.parameters.iter().map(|p| p.column).chain(others.iter().copied()).collect();
+                    header.all(&needed)?;
+                    continue;
+                }
+            });
         }
+        Ok(Self { entry, columns })
     }
 
-    /// The spacetime of a row, given the numbers in these columns.
-    fn of(self, parameters: &[f64]) -> SpacetimeKind {
-        match (self, parameters) {
-            (Spacetime::Schwarzschild, &[schwarzschild_radius, ..]) => {
-                SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius }
-            }
-            _ => SpacetimeKind::Flat,
-        }
+    /// Name of the spacetime.
+    pub(super) fn name(&self) -> &'static str {
+        self.entry.name
+    }
+
+    /// Columns that there are.
+    pub(super) fn places(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        self.columns.iter().filter_map(|column| column.ok())
+    }
+
+    /// The spacetime of a row, about the origin.
+    pub(super) fn of(&self, header: &Header, row: &ByteRecord) -> Result<SpacetimeKind, Failure> {
+        let value = |column: &Result<_, f64>| match *column {
+            Ok((name, place)) => header.number(row, name, place),
+            Err(value) => Ok(value),
+        };
+        let values: Result<Vec<f64>, Failure> = self.columns.iter().map(value).collect();
+        Ok(self.entry.with(DVec3::ZERO, &values?))
     }
 }
 
@@ -46,23 +76,21 @@ const RAY: [&str; 7] = ["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"];
 /// Which columns of a table are read, and where they are.
 pub(super) struct Columns {
     pub(super) header: Header,
-    pub(super) spacetime: Spacetime,
+    pub(super) spacetime: Parameters,
     /// Those that are copied: labels, then numbers.
     all: Vec<(&'static str, usize)>,
-    /// How many are labels.
-    labels: usize,
 }
 
 impl Columns {
-    pub(super) fn find(header: &Header, spacetime: Spacetime) -> Result<Self, Failure> {
+    pub(super) fn find(header: &Header, spacetime: &'static Entry) -> Result<Self, Failure> {
         let mut all = Vec::new();
         for label in LABELS {
             all.extend(header.place(label)?.map(|place| (label, place)));
         }
-        let labels = all.len();
-        let needed: Vec<&str> = spacetime.parameters().iter().chain(&RAY).copied().collect();
-        all.extend(header.all(&needed)?);
-        Ok(Self { header: header.clone(), spacetime, all, labels })
+        let spacetime = Parameters::find(header, spacetime, &RAY)?;
+        all.extend(spacetime.places());
+        all.extend(header.all(&RAY)?);
+        Ok(Self { header: header.clone(), spacetime, all })
     }
 
     /// Names of the columns that are copied.
@@ -77,23 +105,23 @@ impl Columns {
 
     /// The ray of a row.
     pub(super) fn ray(&self, row: &ByteRecord) -> Result<(SpacetimeKind, FreeRay), Failure> {
-        let mut numbers = Vec::with_capacity(self.all.len());
-        for &(name, place) in &self.all[self.labels..] {
-            numbers.push(self.header.number(row, name, place)?);
+        let spacetime = self.spacetime.of(&self.header, row)?;
+        let mut ray = [0.0; RAY.len()];
+        for (number, &(name, place)) in ray.iter_mut().zip(&self.all[self.all.len() - RAY.len()..]) {
+            *number = self.header.number(row, name, place)?;
         }
-        let (parameters, ray) = numbers.split_at(self.spacetime.parameters().len());
         let ray = FreeRay {
             start: DVec3::from_slice(&ray[0..3]),
             direction: DVec3::from_slice(&ray[3..6]),
             r_out: ray[6],
         };
-        Ok((self.spacetime.of(parameters), ray))
+        Ok((spacetime, ray))
     }
 
     /// Why the ray in a line cannot be followed.
     pub(super) fn refuse(&self, line: u64, fault: &Fault) -> Failure {
         let column = match fault.input {
-            Input::SchwarzschildRadius => "column `rs`",
+            Input::Parameter(column) => &format!("column `{column}`"),
             Input::Start => "columns `x0`, `y0`, `z0`",
             Input::Direction => "columns `dx0`, `dy0`, `dz0`",
             Input::Sphere => "column `r_out`",

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::units::plural;
 use crate::film::Aov;
-use crate::scene::{Background, Baked, LightSampling, SpacetimeKind, StepperKind, flag_name};
+use crate::scene::{Background, Baked, LightSampling, StepperKind, flag_name};
 use crate::shade::Material;
 use crate::trace::LightSummary;
 
@@ -35,27 +35,25 @@ fn stage(name: &'static str, runs: bool, why: impl Into<String>) -> Stage {
 }
 
 fn advance(scene: &Baked) -> Stage {
-    match scene.spacetime {
-        SpacetimeKind::Flat => stage("advance", false, "flat: straight rays, one query per ray; no marching"),
-        SpacetimeKind::Schwarzschild { .. } => {
-            let settings = &scene.settings;
-            let stepper = flag_name(settings.stepper);
-            stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
-        }
+    if scene.spacetime.is_flat() {
+        return stage("advance", false, "flat: straight rays, one query per ray; no marching");
     }
+    let settings = &scene.settings;
+    let stepper = flag_name(settings.stepper);
+    stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
 }
 
 fn intersect(scene: &Baked) -> Stage {
     let counts = scene.geometry.counts();
     let primitives = counts.spheres + counts.disks + counts.instanced_triangles;
-    match (primitives, scene.spacetime) {
+    match (primitives, scene.spacetime.is_flat()) {
         (0, _) => stage("intersect", false, "no geometry: nothing to meet"),
-        (_, SpacetimeKind::Flat) => stage(
+        (_, true) => stage(
             "intersect",
             true,
             format!("lines against {}", plural(primitives, "primitive", "primitives")),
         ),
-        _ => {
+        (_, false) => {
             let searched = match scene.settings.stepper {
                 StepperKind::Rk4Paper => "lines",
                 _ => "arcs",
@@ -67,11 +65,10 @@ fn intersect(scene: &Baked) -> Stage {
 }
 
 fn capture(scene: &Baked) -> Stage {
-    match scene.spacetime {
-        SpacetimeKind::Flat => stage("capture", false, "flat: no horizon"),
-        SpacetimeKind::Schwarzschild { .. } => {
-            stage("capture", true, "rays that fall to the horizon end black")
-        }
+    if scene.spacetime.is_flat() {
+        stage("capture", false, "flat: no horizon")
+    } else {
+        stage("capture", true, "rays that fall to the horizon end black")
     }
 }
 
@@ -117,8 +114,8 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
         };
         return stage("light", false, format!("{why}: paths that meet light count it"));
     };
-    let way = match (settings.light_sampling, scene.spacetime) {
-        (_, SpacetimeKind::Flat) => "along straight lines".to_owned(),
+    let way = match (settings.light_sampling, scene.spacetime.is_flat()) {
+        (_, true) => "along straight lines".to_owned(),
         (LightSampling::Straight, _) => "along straight lines, wrong here".to_owned(),
         _ => format!("along geodesics of winding number 0 to {}", settings.max_winding),
     };
@@ -139,6 +136,7 @@ fn aovs(planes: &[Aov]) -> Stage {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use crate::spacetime::SpacetimeKind;
     use std::time::Duration;
 
     use glam::{DVec3, Vec3};
@@ -181,7 +179,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_hole_marches_and_captures() {
-        let hole = SpacetimeKind::Schwarzschild { center: DVec3::ZERO, schwarzschild_radius: 1.0 };
+        let hole = SpacetimeKind::black_hole(DVec3::ZERO, 1.0);
         let scene = empty_scene(hole);
         assert_eq!(find(&scene, "advance").why, "curved: rkn6 steps of tolerance 1e-5");
         assert!(find(&scene, "capture").runs);

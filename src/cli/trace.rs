@@ -56,7 +56,7 @@ impl RowWise for Job {
         let Accuracy { stepper, tolerance, precision } = self.accuracy;
         format!(
             "trace --spacetime {} --stepper {} --tolerance {tolerance:e} --precision {}",
-            flag_name(self.columns.spacetime),
+            self.columns.spacetime.name(),
             flag_name(stepper),
             flag_name(precision),
         )

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::systems::Bounds;
 use super::Camera;
+use super::systems::Bounds;
 use crate::light::Punctual;
 use crate::spacetime::{ConformallyFlat, SpacetimeKind};
 

@@ -59,7 +59,12 @@ pub fn within(value: &Number, bounds: RangeInclusive<f64>, what: &str, why: &str
     let number = finite(value, what)?;
     let (low, high) = (bounds.start(), bounds.end());
     let problem = || format!("{what} must be from {low} to {high}, not {number}: {why}");
-    require(bounds.contains(&number), value.span(), problem, &format!("write a number from {low} to {high}"))?;
+    require(
+        bounds.contains(&number),
+        value.span(),
+        problem,
+        &format!("write a number from {low} to {high}"),
+    )?;
     Ok(number)
 }
 

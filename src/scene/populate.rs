@@ -11,8 +11,7 @@ use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, Spher
 use super::error::{Fault, suggestion};
 use super::file::{
     CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
-    RenderTable, Rotation, SceneFile, SkyName, SpacetimeTable, SphereTable, Text,
-    TransformTable,
+    RenderTable, Rotation, SceneFile, SkyName, SpacetimeTable, SphereTable, Text, TransformTable,
 };
 use super::foreign;
 use super::light::light;
@@ -105,7 +104,8 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
     let mut values = Vec::with_capacity(parameters.len());
     for Parameter { key, noun, range, .. } in *parameters {
         let Some(value) = table.parameters.get(key) else {
-            let help = format!("add `{key} = ...`{}", if *range == Range::Length { ", in scene units" } else { "" });
+            let help =
+                format!("add `{key} = ...`{}", if *range == Range::Length { ", in scene units" } else { "" });
             return Err(Fault::at(span, format!("a spacetime of kind {name} needs {noun}"), help));
         };
         values.push(match *range {

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 use hecs::Entity;
 
+use super::Settings;
 use super::components::{
     AuthoredAt, CameraLens, HoleMark, LightShape, LocalTransform, MaterialHandle, MeshHandle, MeshShape,
     Name, Parent,
 };
 use super::error::Fault;
-use super::Settings;
 use crate::asset::{AssetError, Files, Model, Node, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material};

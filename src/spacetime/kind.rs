@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
-use super::parameter::{Parameter, Range};
+use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::reissner_nordstrom::ReissnerNordstrom;
 use super::schwarzschild::Schwarzschild;
 use crate::math::real::Real;
@@ -162,7 +162,8 @@ static FLAT: Entry = Entry {
 
 impl Entry {
     const fn of<M: Named>() -> Self {
-        let make = |center, values: &[f64]| SpacetimeKind::Spherical { center, metric: M::new(values).into() };
+        let make =
+            |center, values: &[f64]| SpacetimeKind::Spherical { center, metric: M::new(values).into() };
         Self { name: M::NAME, title: M::TITLE, summary: M::SUMMARY, parameters: M::PARAMETERS, make }
     }
 
@@ -184,7 +185,7 @@ impl Entry {
 
 impl SpacetimeKind {
     /// A Schwarzschild hole; flat space if the radius is 0.
-    pub fn black_hole(center: DVec3, schwarzschild_radius: f64) -> Self {
+    pub const fn black_hole(center: DVec3, schwarzschild_radius: f64) -> Self {
         if schwarzschild_radius == 0.0 {
             return Self::Flat;
         }
@@ -236,16 +237,27 @@ impl SpacetimeKind {
         self.entry().parameters.iter().zip(values)
     }
 
-    /// Value of the parameter with this key.
-    pub fn parameter(self, key: &str) -> Option<f64> {
-        self.parameters().find(|(parameter, _)| parameter.key == key).map(|(_, value)| value)
+    /// Schwarzschild radius 2M, 0 if there is no mass.
+    pub fn schwarzschild_radius(self) -> f64 {
+        self.parameters().find(|(p, _)| p.key == SCHWARZSCHILD_RADIUS.key).map_or(0.0, |(_, value)| value)
     }
 
-    /// The same spacetime with another value of one parameter; unchanged if it has none of this key.
-    pub fn with_parameter(self, key: &str, value: f64) -> Self {
+    /// The same spacetime with another Schwarzschild radius; unchanged if it has none.
+    pub fn with_schwarzschild_radius(self, radius: f64) -> Self {
         let Some(center) = self.center() else { return self };
-        let values: Vec<f64> = self.parameters().map(|(p, old)| if p.key == key { value } else { old }).collect();
+        let value =
+            |(p, old): (&Parameter, f64)| if p.key == SCHWARZSCHILD_RADIUS.key { radius } else { old };
+        let values: Vec<f64> = self.parameters().map(value).collect();
         self.entry().with(center, &values)
+    }
+
+    /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed once.
+    pub fn in_units(self) -> Option<(Metric, f64)> {
+        let is_length = |parameter: &Parameter| parameter.range == Range::Length;
+        let (_, unit) = self.parameters().find(|(parameter, _)| is_length(parameter))?;
+        let scaled = |(parameter, value)| if is_length(parameter) { value / unit } else { value };
+        let values: Vec<f64> = self.parameters().map(scaled).collect();
+        self.entry().with(DVec3::ZERO, &values).medium().map(|(_, metric)| (metric, unit))
     }
 
     /// Does `visitor`'s work in the family that the spacetime is of.

@@ -44,8 +44,7 @@ impl ReissnerNordstrom {
 impl Named for ReissnerNordstrom {
     const NAME: &'static str = "reissner-nordstrom";
     const TITLE: &'static str = "Reissner–Nordström";
-    const SUMMARY: &'static str =
-        "A hole of Schwarzschild radius `rs` (2M; 2 if absent) and charge `Q` (Q/M) at the origin; isotropic coordinates";
+    const SUMMARY: &'static str = "A hole of Schwarzschild radius `rs` (2M; 2 if absent) and charge `Q` (Q/M) at the origin; isotropic coordinates";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter { in_tables: Some(2.0), ..SCHWARZSCHILD_RADIUS },
         Parameter {

@@ -20,7 +20,7 @@ pub struct Schwarzschild {
 
 impl Schwarzschild {
     /// A hole of Schwarzschild radius `r_s` > 0.
-    pub fn new(r_s: f64) -> Self {
+    pub const fn new(r_s: f64) -> Self {
         Self { horizon: 0.25 * r_s }
     }
 

@@ -1,18 +1,20 @@
-//! All rays that join two points in empty space around a hole, by how far they wind.
+//! All rays that join two points in empty space around a centre, by how far they wind.
 //!
-//! Everything scales with the Schwarzschild radius, so one lens of radius 1 serves all.
+//! Everything scales with the spacetime's length, so one lens serves all pairs whose spacetimes differ in nothing else.
+
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
 use crate::geodesic::{Connection, Lens};
 use crate::math::exact;
-use crate::spacetime::{ConformallyFlat, Schwarzschild};
+use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
-/// Two points around a hole at the origin.
+/// Two points around a centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// r_s; 0 is flat.
-    pub schwarzschild_radius: f64,
+    /// What is around the origin.
+    pub spacetime: SpacetimeKind,
     /// One point, isotropic coordinates.
     pub x: DVec3,
     /// The other.
@@ -70,8 +72,8 @@ pub struct Fault {
 /// Something that describes a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// The Schwarzschild radius.
-    SchwarzschildRadius,
+    /// The parameter of the spacetime that tables have in this column.
+    Parameter(&'static str),
     /// The point x.
     X,
     /// The point y.
@@ -85,18 +87,22 @@ const LENGTHS: [f64; 2] = [1e-70, 1e70];
 /// Sine of an angle, or a distance relative to those from the hole, that is no more than rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// What finds rays between points.
-#[derive(Clone, Debug)]
-pub struct Joiner {
-    hole: Schwarzschild,
-    lens: Lens,
-}
+/// Finds rays between points; keeps the lens of the last spacetime.
+#[derive(Debug, Default)]
+pub struct Joiner(Mutex<Option<(Metric, Arc<Lens>)>>);
 
 impl Joiner {
-    /// One whose errors are those of rounding; always there, as a hole has a photon sphere.
-    pub fn new() -> Option<Self> {
-        let hole = Schwarzschild::new(1.0);
-        Some(Self { hole, lens: Lens::new(&hole, f64::EPSILON)? })
+    /// The lens of a spacetime in its own unit; `None` if it has no photon sphere.
+    fn lens(&self, metric: Metric) -> Option<Arc<Lens>> {
+        let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match last.as_ref().filter(|(of, _)| *of == metric) {
+            Some((_, lens)) => Some(lens.clone()),
+            None => {
+                let lens = Arc::new(Lens::new(&metric, f64::EPSILON)?);
+                *last = Some((metric, lens.clone()));
+                Some(lens)
+            }
+        }
     }
 
     /// The rays between the points of `pair` of winding orders up to `max_winding`.
@@ -108,7 +114,7 @@ impl Joiner {
     /// # Errors
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
     pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, Fault> {
-        let Pair { schwarzschild_radius: r_s, x, y } = *pair;
+        let Pair { spacetime, x, y } = *pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {
@@ -124,63 +130,91 @@ impl Joiner {
             return Err(Fault { input: Input::Both, cause, remedy: "give two points".to_owned() });
         }
         let spin = exact::cross(x, y).length();
-        if r_s == 0.0 {
-            return Ok(Joints { found: vec![straight(x, y, spin)], hidden: 0 });
+        for (parameter, value) in spacetime.parameters() {
+            let input = Input::Parameter(parameter.column);
+            match parameter.range {
+                Range::Length => drop(length(input, parameter.noun, value, ", or 0 for flat space")?),
+                Range::Ratio { least, most, .. } if (least..=most).contains(&value) => {}
+                Range::Ratio { least, most, why } => {
+                    return Err(Fault {
+                        input,
+                        cause: format!("{} is {value}: {why}", parameter.noun),
+                        remedy: format!("give a number from {least} to {most}"),
+                    });
+                }
+            }
         }
-        length(Input::SchwarzschildRadius, "the Schwarzschild radius", r_s, ", or 0 for flat space")?;
+        let Some((metric, unit)) = spacetime.in_units() else {
+            return Ok(Joints { found: vec![straight(x, y, spin)], hidden: 0 });
+        };
+        let Some(lens) = self.lens(metric) else {
+            let cause = format!("a spacetime of kind {} has no photon sphere", spacetime.entry().name);
+            let remedy = "give another --spacetime".to_owned();
+            return Err(Fault { input: Input::Both, cause, remedy });
+        };
         for (input, point) in [(Input::X, x), (Input::Y, y)] {
-            let (rho, horizon) = (point.length() / r_s, self.hole.horizon());
+            let (rho, horizon) = (point.length() / unit, metric.horizon());
             if rho <= horizon * (1.0 + ROUNDING) {
                 return Err(Fault {
                     input,
                     cause: format!(
                         "the point is at the isotropic radius {}, but the horizon is at {}",
-                        rho * r_s,
-                        horizon * r_s
+                        rho * unit,
+                        horizon * unit
                     ),
                     remedy: "give a point outside the horizon; the isotropic radius is not the areal one"
                         .to_owned(),
                 });
             }
-            length(input, "the distance of the point from the hole, in Schwarzschild radii,", rho, "")?;
+            length(
+                input,
+                "the distance of the point from the centre, in units of the spacetime's length,",
+                rho,
+                "",
+            )?;
         }
         let aligned = spin <= ROUNDING * x.length() * y.length();
         let highest = if aligned { 0 } else { max_winding };
-        let found: Vec<Joint> =
-            (0..=highest).filter_map(|winding| self.joint(pair, winding, aligned)).collect();
+        let found: Vec<Joint> = (0..=highest)
+            .filter_map(|winding| joint((x, y), (&metric, unit), &lens, winding, aligned))
+            .collect();
         Ok(Joints { hidden: highest as usize + 1 - found.len(), found })
-    }
-
-    /// The ray of one winding order.
-    fn joint(&self, pair: &Pair, winding: u32, aligned: bool) -> Option<Joint> {
-        let Pair { schwarzschild_radius: r_s, x, y } = *pair;
-        let [at_x, at_y] = [x, y].map(|point| self.lens.site(&self.hole, point / r_s));
-        let found = self.lens.connect(&at_x, &at_y, winding)?;
-        let time = r_s * self.lens.time(&at_x, &at_y, &found);
-        let Connection { direction, arrival, swept, b, spread, swing, .. } = found;
-        let [w_x, w_y] = [x, y].map(|point| r_s / point.length());
-        let lapses = [w_x, w_y].map(|w| self.hole.lapse(w));
-        // Proper length over coordinate length is Ψ = n N.
-        let stretch = self.hole.index_squared(w_y) * lapses[1] * lapses[1];
-        let frequency_ratio = lapses[1] / lapses[0];
-        let radial = aligned && x.dot(y) > 0.0;
-        let ring = aligned && !radial;
-        let spread = if ring { f64::INFINITY } else { spread / stretch / r_s / r_s };
-        Some(Joint {
-            winding,
-            swept: if radial { 0.0 } else { swept },
-            b: if radial { 0.0 } else { b * r_s },
-            direction,
-            arrival,
-            time,
-            spread,
-            reversed_spread: spread * frequency_ratio * frequency_ratio,
-            frequency_ratio,
-            swing: swing[0].max(swing[1]).max(1.0),
-        })
     }
 }
 
+/// The ray of one winding order between points around a spacetime, given in its `unit`.
+fn joint(
+    (x, y): (DVec3, DVec3),
+    (metric, unit): (&Metric, f64),
+    lens: &Lens,
+    winding: u32,
+    aligned: bool,
+) -> Option<Joint> {
+    let [at_x, at_y] = [x, y].map(|point| lens.site(metric, point / unit));
+    let found = lens.connect(&at_x, &at_y, winding)?;
+    let time = unit * lens.time(&at_x, &at_y, &found);
+    let Connection { direction, arrival, swept, b, spread, swing, .. } = found;
+    let [w_x, w_y] = [x, y].map(|point| unit / point.length());
+    let lapses = [w_x, w_y].map(|w| metric.lapse(w));
+    // Proper length over coordinate length is Ψ = n N.
+    let stretch = metric.index_squared(w_y) * lapses[1] * lapses[1];
+    let frequency_ratio = lapses[1] / lapses[0];
+    let radial = aligned && x.dot(y) > 0.0;
+    let ring = aligned && !radial;
+    let spread = if ring { f64::INFINITY } else { spread / stretch / unit / unit };
+    Some(Joint {
+        winding,
+        swept: if radial { 0.0 } else { swept },
+        b: if radial { 0.0 } else { b * unit },
+        direction,
+        arrival,
+        time,
+        spread,
+        reversed_spread: spread * frequency_ratio * frequency_ratio,
+        frequency_ratio,
+        swing: swing[0].max(swing[1]).max(1.0),
+    })
+}
 /// The ray between two points of flat space, given |x × y|.
 fn straight(x: DVec3, y: DVec3, spin: f64) -> Joint {
     let distance = x.distance(y);

@@ -10,7 +10,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
 use super::sweep::{Spread, angle, in_turn, tolerances_for};
-use crate::scene::{Precision, SpacetimeKind, StepperKind};
+use crate::scene::{Precision, StepperKind};
+use crate::spacetime::SpacetimeKind;
 
 /// A ray, and how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]

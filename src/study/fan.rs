@@ -8,8 +8,8 @@ use glam::{DVec2, DVec3};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{Cut, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
-use crate::scene::{Baked, SpacetimeKind};
-use crate::spacetime::{ConformallyFlat, Schwarzschild};
+use crate::scene::Baked;
+use crate::spacetime::{ConformallyFlat, Metric};
 use crate::trace::{Fate, Ray, Trail, trails, transport::Outcome};
 
 /// Which rays.
@@ -43,7 +43,7 @@ pub enum FanError {
 /// A fan of rays, traced.
 pub struct Fan {
     trails: Vec<Trail>,
-    hole: Option<(DVec3, Schwarzschild)>,
+    hole: Option<(DVec3, Metric)>,
     cuts: Vec<Cut>,
     view: View,
 }
@@ -89,12 +89,7 @@ impl Fan {
     /// If no rays can start so.
     pub fn trace(scene: &Baked, options: &FanOptions) -> Result<Self, FanError> {
         let camera = &scene.camera;
-        let hole = match scene.spacetime {
-            SpacetimeKind::Flat => None,
-            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
-                Some((center, Schwarzschild::new(schwarzschild_radius)))
-            }
-        };
+        let hole = scene.spacetime.medium();
         let start = options.from.unwrap_or(camera.position);
         if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
             return Err(FanError::InsideHorizon);
@@ -269,7 +264,7 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
 
 /// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative to
 /// the hole.
-fn way_out(medium: &Schwarzschild, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
+fn way_out(medium: &Metric, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
     let launch = Launch::new(medium, start, heading, f64::EPSILON);
     let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);
     let control = Control::new(medium, PRECISION, f64::INFINITY);

@@ -486,8 +486,7 @@ fn straight(x: DVec3, ray: &FreeRay) -> Exit {
 mod tests {
     use super::*;
 
-    const HOLE: SpacetimeKind =
-        SpacetimeKind::black_hole(DVec3::ZERO, 1.0);
+    const HOLE: SpacetimeKind = SpacetimeKind::black_hole(DVec3::ZERO, 1.0);
     const ACCURACY: Accuracy =
         Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-11, precision: Precision::F64 };
 

@@ -5,11 +5,11 @@ use std::convert::Infallible;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::choice::with_transport;
 use super::halt::Halt;
 use super::stages::intersect::intersect;
 use super::stats::Counters;
 use super::transport::{Errand, Landing, Outcome, Transport};
-use super::choice::with_transport;
 use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 

@@ -5,10 +5,10 @@ use std::convert::Infallible;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::choice::with_transport_to;
 use super::halt::Halt;
 use super::shoot::{Ray, follow};
 use super::transport::{Errand, Outcome, Transport};
-use super::choice::with_transport_to;
 use crate::geometry::{Geometry, Segment};
 use crate::scene::{Baked, StepperKind};
 

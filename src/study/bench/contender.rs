@@ -1,7 +1,8 @@
 //! Who races.
 
 use super::Point;
-use crate::scene::{Baked, Schedule, Settings, SpacetimeKind, StepperKind, flag_name};
+use crate::scene::{Baked, Schedule, Settings, StepperKind, flag_name};
+use crate::spacetime::SpacetimeKind;
 
 /// A way to render a scene, all else being equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -17,7 +17,8 @@ use super::compare::Mismatch;
 use super::estimate::Estimate;
 use super::sweep::in_turn;
 use crate::film::Image;
-use crate::scene::{Baked, Settings, SpacetimeKind};
+use crate::scene::{Baked, Settings};
+use crate::spacetime::SpacetimeKind;
 use crate::trace::{self, Counters, Rendered, Run, Stats};
 
 /// What all contenders of a race have in common.

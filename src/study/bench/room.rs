@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::geometry::{Geometry, Instance, Mesh, Primitives, Sphere, Surface};
-use crate::scene::{Baked, SpacetimeKind};
+use crate::scene::Baked;
 use crate::shade::{Environment, Material};
 
 /// Radius of the room over the distance of the camera from its middle: bumps stay behind the camera.
@@ -23,12 +23,8 @@ const FACES: usize = 20;
 /// A room, because every ray in it meets a triangle, wherever the camera looks and however the hole bends it.
 pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {
     let camera = scene.camera;
-    let center = match scene.spacetime {
-        SpacetimeKind::Schwarzschild { center, .. } => center,
-        SpacetimeKind::Flat => {
-            scene.geometry.bounds().map_or(camera.position, |(min, max)| 0.5 * (min + max))
-        }
-    };
+    let middle = || scene.geometry.bounds().map_or(camera.position, |(min, max)| 0.5 * (min + max));
+    let center = scene.spacetime.center().unwrap_or_else(middle);
     let distance = camera.position.distance(center);
     let radius = if distance > 0.0 { RADIUS * distance } else { 1.0 };
     let walls = bumpy_sphere(triangles);

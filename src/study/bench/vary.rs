@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 use glam::DVec3;
 
 use super::{Point, room};
-use crate::scene::{Baked, Precision, SpacetimeKind, StepperKind};
+use crate::scene::{Baked, Precision, StepperKind};
 use crate::study::sweep::tolerances_for;
 
 /// What is varied.
@@ -97,7 +97,7 @@ impl Vary {
         if !matches!(self, Self::Radius | Self::Tolerance) {
             return Ok(());
         }
-        if scene.spacetime == SpacetimeKind::Flat {
+        if scene.spacetime.is_flat() {
             return refuse(
                 "the scene is flat: its rays are straight and have neither radius nor tolerance",
                 "give a scene with a hole, or --black-hole",
@@ -126,7 +126,8 @@ impl Vary {
             Self::Spp => powers(0..=4, 2.0),
             Self::Depth => powers(0..=5, 2.0),
             Self::Radius => {
-                let radii = [0.125, 0.25, 0.5, 1.0, 2.0].map(|factor| factor * radius(base.spacetime));
+                let radii =
+                    [0.125, 0.25, 0.5, 1.0, 2.0].map(|factor| factor * base.spacetime.schwarzschild_radius());
                 radii.into_iter().filter(|&radius| is_outside(scene, radius)).collect()
             }
             Self::Tolerance => {
@@ -148,7 +149,8 @@ impl Vary {
             Self::Radius if !is_outside(scene, value) => {
                 return refuse(
                     format!(
-                        "with a radius of {value} the camera is inside the hole, whose horizon is at r_s/4"
+                        "with a radius of {value} the camera is inside the hole, whose horizon is at {}",
+                        scene.spacetime.with_schwarzschild_radius(value).horizon()
                     ),
                     "give smaller --values",
                 );
@@ -187,9 +189,7 @@ impl Vary {
             Self::Spp => point.settings.spp = value as u32,
             Self::Depth => point.settings.max_depth = value as u32,
             Self::Radius => {
-                if let SpacetimeKind::Schwarzschild { schwarzschild_radius, .. } = &mut point.spacetime {
-                    *schwarzschild_radius = value;
-                }
+                point.spacetime = point.spacetime.with_schwarzschild_radius(value);
             }
             Self::Tolerance => point.settings.tolerance = value,
             Self::Triangles => {}
@@ -198,17 +198,11 @@ impl Vary {
     }
 }
 
-fn radius(spacetime: SpacetimeKind) -> f64 {
-    match spacetime {
-        SpacetimeKind::Flat => 0.0,
-        SpacetimeKind::Schwarzschild { schwarzschild_radius, .. } => schwarzschild_radius,
-    }
-}
-
-/// Whether rays start outside of a hole of this radius in the place of the scene's.
+/// Test for rays that start outside of a hole of this radius in the place of the scene's.
 fn is_outside(scene: &Baked, radius: f64) -> bool {
-    let SpacetimeKind::Schwarzschild { center, .. } = scene.spacetime else { return true };
+    let Some(center) = scene.spacetime.center() else { return true };
     let camera = &scene.camera;
     let start: DVec3 = camera.position + camera.near * camera.forward;
-    camera.position.distance(center).min(start.distance(center)) > 0.25 * radius
+    camera.position.distance(center).min(start.distance(center))
+        > scene.spacetime.with_schwarzschild_radius(radius).horizon()
 }

@@ -12,12 +12,11 @@ use warpfront::light::{
     Cap, Emission, Emitter, Form, Guide, Incoming, Lensed, Lights, Photon, Receiver, Sight, Sky, Straight,
     Target, Tree, View,
 };
-use warpfront::scene::{Baked, SpacetimeKind};
+use warpfront::scene::Baked;
 use warpfront::shade::dielectric::fresnel;
 use warpfront::shade::{
     Crossing, Environment, Incidence, LatLong, Lobe, Material, Media, Sampler, evaluate, scatter,
 };
-use warpfront::spacetime::Schwarzschild;
 use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, Run, shoot};
 
@@ -410,12 +409,9 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
     let (mut random, mut verdict) = (Random::new(7), Verdict::default());
     for r_s in [0.0, 0.6] {
         let scene = lit_scene(&mut random, r_s);
-        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime {
-            SpacetimeKind::Flat => (Box::new(Straight), 0.0),
-            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
-                let medium = Schwarzschild::new(schwarzschild_radius);
-                (Box::new(Lensed::new(medium, center, 1).unwrap()), 0.1)
-            }
+        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime.medium() {
+            Some((center, metric)) => (Box::new(Lensed::new(metric, center, 1).unwrap()), 0.1),
+            None => (Box::new(Straight), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);

@@ -7,8 +7,7 @@ use crate::support::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
 use warpfront::light::{Incoming, Lensed, Lights, Receiver, Sight, Straight, Target};
-use warpfront::scene::{Baked, SpacetimeKind};
-use warpfront::spacetime::Schwarzschild;
+use warpfront::scene::Baked;
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
 
@@ -23,12 +22,9 @@ impl Lit {
     fn new(mut scene: Baked, max_winding: u32) -> Self {
         // Far below what is asked for.
         scene.settings.tolerance = 1e-9;
-        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime {
-            SpacetimeKind::Schwarzschild { center, schwarzschild_radius } => {
-                let medium = Schwarzschild::new(schwarzschild_radius);
-                (Box::new(Lensed::new(medium, center, max_winding).unwrap()), 0.1)
-            }
-            _ => (Box::new(Straight), 0.0),
+        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime.medium() {
+            Some((center, metric)) => (Box::new(Lensed::new(metric, center, max_winding).unwrap()), 0.1),
+            None => (Box::new(Straight), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);

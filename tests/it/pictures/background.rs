@@ -61,7 +61,7 @@ fn pixel(rendered: &Rendered, x: usize, y: usize) -> [f32; 4] {
 
 #[test]
 fn a_transparent_picture_over_its_environment_is_the_opaque_one() {
-    let flat = |scene: &mut Baked| scene.spacetime = warpfront::scene::SpacetimeKind::Flat;
+    let flat = |scene: &mut Baked| scene.spacetime = warpfront::spacetime::SpacetimeKind::Flat;
     let per_pixel = |scene: &mut Baked| scene.settings.schedule = Schedule::PerPixel;
     for change in [&(|_: &mut Baked| ()) as &dyn Fn(&mut Baked), &flat, &per_pixel] {
         let opaque = rendered(Background::Opaque, change);

@@ -7,7 +7,8 @@ use crate::support::command::{Folder, assert_good};
 use crate::support::{render, scene_file, scene_path};
 use clap::ValueEnum;
 use warpfront::film::{Aov, Image};
-use warpfront::scene::{Precision, SamplerKind, SpacetimeKind, StepperKind, flag_name};
+use warpfront::scene::{Precision, SamplerKind, StepperKind, flag_name};
+use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::Run;
 
 const SMALL: [&str; 3] = ["film.width=40", "film.height=34", "render.spp=16"];

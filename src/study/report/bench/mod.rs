@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::{cell, with_error};
 use crate::plot::Style;
-use crate::scene::{Settings, SpacetimeKind, flag_name};
+use crate::scene::{Settings, flag_name};
 use crate::study::bench::{Contender, Race, Runs, Vary};
 use crate::study::estimate::Estimate;
 use crate::trace::{StageTimes, Stats};
@@ -76,10 +76,7 @@ impl<'a> PointRecord<'a> {
         };
         Self {
             value: race.point.value,
-            schwarzschild_radius: match race.point.spacetime {
-                SpacetimeKind::Flat => 0.0,
-                SpacetimeKind::Schwarzschild { schwarzschild_radius, .. } => schwarzschild_radius,
-            },
+            schwarzschild_radius: race.point.spacetime.schwarzschild_radius(),
             batch: race.point.batch,
             settings: &race.point.settings,
             contenders: race.runs.iter().enumerate().map(contender).collect(),
