@@ -132,7 +132,7 @@ fn a_table_of_rays_around_charged_holes_has_the_mass_as_its_unit() {
     }
     let more = format!("Q,{}1.5,-20,3,1,1,0,0,30\n", HEADER.replace("rs,", ""));
     fs::write(place.path("rays.csv"), more).unwrap();
-    let refused = place.run(&["trace", "--spacetime", "reissner-nordstrom", "rays.csv"]);
+    let refused = place.run(&["trace", "--spacetime", "reissner-nordstrom", "rays.csv", "-o", "out.csv"]);
     assert_refused(&refused, &["line 2", "column `Q`", "the charge Q/M is 1.5", "more charge than mass"]);
 }
 
