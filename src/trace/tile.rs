@@ -19,6 +19,8 @@ pub struct Tile {
     pub size: (usize, usize),
     /// Samples that each pixel holds.
     pub spp: u32,
+    /// Planes that it sums for.
+    pub wanted: Wanted,
     beauty: Vec<[f64; 4]>,
     squares: Vec<[f64; 3]>,
     first: Vec<FirstSums>,
@@ -56,6 +58,7 @@ impl Tile {
             origin,
             size,
             spp: 0,
+            wanted,
             beauty: vec![[0.0; 4]; pixels],
             squares: vec![[0.0; 3]; optional(wanted.variance)],
             first: vec![FirstSums::default(); optional(wanted.first_hit)],
