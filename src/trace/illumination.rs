@@ -2,11 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::exposure;
-use super::photons;
-use super::transport::{Landing, Transport};
+use super::transport::Landing;
 use super::vertex::Vertex;
-use super::work::Job;
 use crate::light::{
     Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Neighbourhood, Receiver, Sight, Straight, Target,
 };
@@ -18,10 +15,10 @@ pub struct Illumination {
     pub lights: Lights,
     /// The rays to them.
     pub sight: Box<dyn Sight>,
-    /// Directions of light through mirrors and glass.
-    guide: Option<Guide>,
-    /// How light is shared; `None`: all of it belongs to light sampling, as in the paper.
-    heuristic: Option<Heuristic>,
+    /// Directions of light through mirrors and glass, once they are learned.
+    pub guide: Option<Guide>,
+    /// How light is shared; `None`: all of it belongs to light sampling, as in the paper, and nothing is learned.
+    pub heuristic: Option<Heuristic>,
 }
 
 /// Least orientation factor of lights where the straight direction to them is a guess.
@@ -38,6 +35,11 @@ pub struct LightSummary {
     pub sky: bool,
     /// Whether rays are guided through mirrors and glass.
     pub is_guided: bool,
+}
+
+/// Presence of mirrors or glass for light to go through.
+pub fn has_specular(scene: &Baked) -> bool {
+    scene.materials.iter().any(|material| material.is_specular())
 }
 
 impl Illumination {
@@ -70,28 +72,7 @@ impl Illumination {
             surfaces,
             punctual: scene.punctual.len(),
             sky: self.lights.has_sky(),
-            is_guided: self.heuristic.is_some() && surfaces > 0 && photons::is_useful(scene),
-        }
-    }
-
-    /// Learns what of the lamps can be seen, and where their light comes from through mirrors and glass; not worth anything
-    /// once the job's halt is due.
-    pub fn learn<T: Transport>(&mut self, job: &Job, transport: &T) {
-        self.learn_exposure(job, transport);
-        self.learn_ways(job, transport, photons::count(job.settings));
-    }
-
-    /// Learns what of the lamps can be seen.
-    pub fn learn_exposure<T: Transport>(&mut self, job: &Job, transport: &T) {
-        if self.heuristic.is_some() {
-            exposure::limit_to_exposed(job, transport, &mut self.lights);
-        }
-    }
-
-    /// Learns from a number of photons where light comes from through mirrors and glass.
-    pub fn learn_ways<T: Transport>(&mut self, job: &Job, transport: &T, photons: u32) {
-        if self.heuristic.is_some() {
-            self.guide = photons::guide(job, transport, &self.lights, photons);
+            is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
 use super::fate::Fate;
+use super::job::Job;
 use super::path::Gathers;
 use super::samples::Samples;
 use super::stages::draw::Numbers;
@@ -13,7 +14,7 @@ use super::stages::shade::{gather, shade};
 use super::stats::Counters;
 use super::transport::{Outcome, Transport};
 use super::vertex::Vertex;
-use super::work::{Job, Work};
+use super::work::Work;
 use crate::geometry::PrimitiveId;
 
 /// Steps between two looks at the clock.

@@ -7,15 +7,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::edges::Edges;
+use super::choice::with_render_transport;
+use super::edge_pixels::EdgePixels;
 use super::halt::Halt;
 use super::illumination::{Illumination, LightSummary};
-use super::photons;
+use super::job::Job;
+use super::learn::lamp_edges::LampEdges;
+use super::learn::{photons, visible_caps};
+use super::run::{Run, on_threads};
+use super::split::short_paths;
 use super::tile::TILE;
 use super::transport::{Errand, Transport};
-use super::work::{Job, Lattice, Share, Work};
+use super::work::{Lattice, Share, Work};
 use super::worker::{Worker, Workers};
-use super::{Run, on_threads, pass_of, with_render_transport};
 use crate::film::Wanted;
 use crate::scene::{Baked, Schedule, Settings};
 
@@ -92,12 +96,12 @@ impl Prober<'_> {
         let started = Instant::now();
         let spp = self.scene.settings.spp.min(EDGE_SPP);
         let settings = Settings { spp, ..self.scene.settings.clone() };
-        let mut job = Job::new(self.scene, &settings);
-        job.halt = Halt::after(LONGEST.saturating_add(self.limit));
+        let halt = Halt::after(LONGEST.saturating_add(self.limit));
+        let mut job = Job::new(self.scene, &settings, halt);
         let learning = learn(&mut job, transport);
         let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
-        let workers = |schedule| Workers::scheduled(&job, transport, wanted, self.run.batch, schedule);
+        let workers = |schedule| Workers::scheduled(&job, transport, self.run.batch, schedule);
         let turns = Turns {
             scene: self.scene,
             window: Window::of(&settings, self.run),
@@ -175,11 +179,11 @@ impl<T: Transport> Turns<'_, T> {
 fn learn<T: Transport>(job: &mut Job, transport: &T) -> f64 {
     let started = Instant::now();
     let Some(mut illumination) = Illumination::of(job.scene) else { return 0.0 };
-    illumination.learn_exposure(job, transport);
+    visible_caps::learn(job, transport, &mut illumination);
     let before = started.elapsed().as_secs_f64();
     let photons = photons::count(job.settings);
     let sent = photons.min(PHOTONS);
-    illumination.learn_ways(job, transport, sent);
+    photons::learn(job, transport, &mut illumination, sent);
     let sending = started.elapsed().as_secs_f64() - before;
     job.illumination = Some(illumination);
     before + sending * f64::from(photons) / f64::from(sent)
@@ -229,7 +233,7 @@ impl Look {
         let Window { origin, size } = self.window;
         let Self { lattice, samples, .. } = *self;
         let (x, y) = self.spot((lattice.every.min(size.0), lattice.every.min(size.1)));
-        let none = Edges::default();
+        let none = EdgePixels::default();
         let work = Work {
             origin: (origin.0 + x, origin.1 + y),
             size: (lattice.count(size.0 - x), lattice.count(size.1 - y)),
@@ -245,7 +249,7 @@ impl Look {
 
     /// Seconds for each pixel that edges of lamps take in a neighbourhood: to find them and to look at them closely.
     fn edges<T: Transport>(&self, worker: &mut Worker<T>, scene: &Baked) -> Option<f64> {
-        if !Edges::are_useful(scene) {
+        if !LampEdges::are_possible(scene) {
             return Some(0.0);
         }
         let Window { origin, size } = self.window;
@@ -253,21 +257,22 @@ impl Look {
         let (x, y) = self.spot((self.window.size.0 - size.0 + 1, self.window.size.1 - size.1 + 1));
         let origin = (origin.0 + x, origin.1 + y);
         let started = Instant::now();
-        let (mut edges, spp) = (Edges::default(), scene.settings.spp);
-        worker.refine(&mut edges, (origin, size), pass_of(spp.min(EDGE_SPP) - 1).start)?;
+        let (mut edges, spp) = (LampEdges::default(), scene.settings.spp);
+        let last = spp.min(EDGE_SPP) - 1;
+        edges.refine(scene, (origin, size), last, |work| worker.trace(work, Wanted::default()))?;
         let finding = started.elapsed().as_secs_f64();
         let (first_sample, samples) = (0, EDGE_SAMPLES);
-        let work =
-            Work { origin, size, lattice: Lattice::ALL, first_sample, samples, share: Share::Whole(&edges) };
+        let share = Share::Whole(edges.pixels());
+        let work = Work { origin, size, lattice: Lattice::ALL, first_sample, samples, share };
         let started = Instant::now();
-        if let Some(work) = edges.work(&work) {
+        if let Some(work) = short_paths(&work) {
             worker.trace(&work, Wanted::default())?;
         }
         let looking = started.elapsed().as_secs_f64();
         // Neighbourhoods are searched with a rim of one pixel, as tiles are.
         let rim = |side: usize| (side as f64 + 2.0) / side as f64;
         let less = rim(TILE) * rim(TILE) / (rim(size.0) * rim(size.1));
-        let probed = f64::from(Edges::probes(spp)) / f64::from(Edges::probes(spp.min(EDGE_SPP)));
+        let probed = f64::from(LampEdges::probes(spp)) / f64::from(LampEdges::probes(spp.min(EDGE_SPP)));
         let spp = f64::from(spp);
         Some((finding * less * probed + looking * spp / f64::from(samples)) / (size.0 * size.1) as f64)
     }

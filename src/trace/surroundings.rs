@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::stages::scatter::meet;
+use super::stages::meet::meet;
 use super::transport::Landing;
 use crate::geometry::{Line, PrimitiveId, Segment};
 use crate::scene::Baked;

@@ -18,6 +18,8 @@ pub struct Tile {
     pub size: (usize, usize),
     /// Samples that each pixel holds.
     pub spp: u32,
+    /// Planes that it sums for.
+    pub wanted: Wanted,
     beauty: Vec<[f64; 4]>,
     planes: Vec<Sums>,
 }
@@ -32,7 +34,7 @@ impl Tile {
     pub fn new(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Self {
         let pixels = size.0 * size.1;
         let planes = wanted.planes().map(|aov| Sums::new(aov, pixels)).collect();
-        Self { origin, size, spp: 0, beauty: vec![[0.0; 4]; pixels], planes }
+        Self { origin, size, spp: 0, wanted, beauty: vec![[0.0; 4]; pixels], planes }
     }
 
     /// Adds `count` more samples of every pixel, pixel by pixel.

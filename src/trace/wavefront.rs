@@ -5,6 +5,7 @@
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
 use super::fate::Fate;
+use super::job::Job;
 use super::path::{Gathers, Path};
 use super::samples::Samples;
 use super::stages::draw::Draws;
@@ -17,7 +18,7 @@ use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
-use super::work::{Job, Work};
+use super::work::Work;
 use crate::geometry::{PrimitiveId, Search};
 use crate::math::columns::{Columns, LANES};
 use glam::DVec3;

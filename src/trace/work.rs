@@ -1,41 +1,7 @@
-//! What is to be done: the job as a whole, and one tile's share of a pass.
+//! Work: some samples of some pixels, one tile's share of a pass.
 
-use super::edges::Edges;
-use super::halt::Halt;
-use super::illumination::Illumination;
+use super::edge_pixels::EdgePixels;
 use super::path::Gathers;
-use super::surroundings::media_around;
-use crate::scene::{Baked, SamplerKind, Settings};
-use crate::shade::{Media, Sampler};
-
-/// What every kernel may read.
-pub struct Job<'a> {
-    /// The baked scene.
-    pub scene: &'a Baked,
-    /// Its settings.
-    pub settings: &'a Settings,
-    /// Random numbers.
-    pub sampler: Sampler,
-    /// Dielectrics around the camera.
-    pub media: Media,
-    /// Light sampling, if any.
-    pub illumination: Option<Illumination>,
-    /// When to give up.
-    pub halt: Halt<'a>,
-}
-
-impl<'a> Job<'a> {
-    /// A render of `scene` under `settings`, before anything is known of its lights; it does not give up.
-    pub fn new(scene: &'a Baked, settings: &'a Settings) -> Self {
-        let sampler = match settings.sampler {
-            SamplerKind::Sobol => Sampler::sobol(settings.seed),
-            SamplerKind::Independent => Sampler::independent(settings.seed),
-        };
-        let camera = &scene.camera;
-        let media = media_around(scene, camera.position + camera.near * camera.forward);
-        Self { scene, settings, sampler, media, illumination: None, halt: Halt::default() }
-    }
-}
 
 /// Some samples of the pixels of a tile.
 #[derive(Clone, Copy)]
@@ -82,11 +48,11 @@ impl Lattice {
 #[derive(Clone, Copy)]
 pub enum Share<'a> {
     /// All light; in pixels at the edges of lamps, all but what the camera sees of lamps.
-    Whole(&'a Edges),
+    Whole(&'a EdgePixels),
     /// What the camera sees of lamps, in pixels at their edges.
-    Edges(&'a Edges),
+    Edges(&'a EdgePixels),
     /// All but that, in the same pixels.
-    Beyond(&'a Edges),
+    Beyond(&'a EdgePixels),
     /// What the camera sees of lamps, in all pixels.
     Lamps,
 }
@@ -95,7 +61,7 @@ impl Work<'_> {
     /// Camera paths in all.
     pub fn paths(&self) -> u32 {
         let pixels = match self.share {
-            Share::Edges(edges) | Share::Beyond(edges) => edges.pixels().len(),
+            Share::Edges(edges) | Share::Beyond(edges) => edges.numbers().len(),
             Share::Whole(_) | Share::Lamps => self.size.0 * self.size.1,
         };
         pixels as u32 * self.samples
@@ -107,8 +73,8 @@ impl Work<'_> {
         let (pixel, gathers) = match self.share {
             Share::Whole(edges) if edges.holds(number) => (number, Gathers::Beyond),
             Share::Whole(_) => (number, Gathers::All),
-            Share::Edges(edges) => (edges.pixels()[number as usize], Gathers::Lamps),
-            Share::Beyond(edges) => (edges.pixels()[number as usize], Gathers::Beyond),
+            Share::Edges(edges) => (edges.numbers()[number as usize], Gathers::Lamps),
+            Share::Beyond(edges) => (edges.numbers()[number as usize], Gathers::Beyond),
             Share::Lamps => (number, Gathers::Lamps),
         };
         let (column, row) = (pixel as usize % self.size.0, pixel as usize / self.size.0);

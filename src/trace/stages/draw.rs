@@ -1,7 +1,7 @@
 //! Random numbers for what happens to a path.
 
+use super::super::job::Job;
 use super::super::path::Path;
-use super::super::work::Job;
 use crate::shade::Key;
 
 /// What takes random numbers.

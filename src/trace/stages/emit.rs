@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
+use super::super::job::Job;
 use super::super::path::{Gathers, Path};
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
-use super::super::work::Job;
 use super::light::share;
 use crate::geometry::SurfacePoint;
 

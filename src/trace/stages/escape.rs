@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
+use super::super::job::Job;
 use super::super::path::{Gathers, Path};
 use super::super::vertex::Vertex;
-use super::super::work::Job;
 use super::light::share;
 use crate::scene::Background;
 

@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::super::job::Job;
 use super::super::path::Path;
-use super::super::work::{Job, Work};
+use super::super::work::Work;
 use super::draw::Draw;
 use crate::scene::Filter;
 

@@ -3,12 +3,12 @@
 use glam::{DVec3, Vec3};
 
 use super::super::illumination::Illumination;
+use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
-use super::super::work::Job;
 use super::draw::Draw;
-use super::scatter::meet;
+use super::meet::meet;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};

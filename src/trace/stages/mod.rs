@@ -22,6 +22,7 @@ pub mod escape;
 pub mod generate;
 pub mod intersect;
 pub mod light;
+pub mod meet;
 pub mod record;
 pub mod scatter;
 pub mod shade;

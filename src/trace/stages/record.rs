@@ -1,10 +1,10 @@
 //! What the camera ray meets and how many steps its path takes, for the planes that were asked for.
 
 use super::super::fate::Fate;
+use super::super::job::Job;
 use super::super::path::Path;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
-use super::super::work::Job;
 use crate::film::CameraRay;
 use crate::geometry::SurfacePoint;
 use crate::scene::Background;

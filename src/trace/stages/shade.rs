@@ -2,16 +2,17 @@
 
 use glam::{DVec3, Vec3};
 
+use super::super::job::Job;
 use super::super::path::{Gathers, Path};
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
-use super::super::work::Job;
 use super::draw::Numbers;
 use super::emit::emit;
 use super::light::{self, propose};
+use super::meet::meet;
 use super::record::record_hit;
-use super::scatter::{meet, scatter};
+use super::scatter::scatter;
 use crate::light::Target;
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its

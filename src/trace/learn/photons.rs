@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::flock::Flock;
-use super::halt::Halt;
-use super::shoot::Ray;
-use super::stages::scatter::meet;
-use super::transport::{Landing, Outcome, Transport};
-use super::work::Job;
+use super::super::halt::Halt;
+use super::super::illumination::{Illumination, has_specular};
+use super::super::job::Job;
+use super::super::ray_batch::RayBatch;
+use super::super::shoot::Ray;
+use super::super::stages::meet::meet;
+use super::super::transport::{Landing, Outcome, Transport};
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::{Baked, Settings};
 use crate::shade::{self, Key, Media, Sampler};
@@ -23,21 +24,23 @@ const MOST_HOPS: u32 = 8;
 /// Photons that are followed together.
 const TOGETHER: u32 = 1024;
 
-/// Whether there are mirrors or glass for photons to go through.
-pub fn is_useful(scene: &Baked) -> bool {
-    scene.materials.iter().any(|material| material.is_specular())
-}
-
-/// Photons that a picture is worth.
+/// Number of photons that a picture is worth.
 pub fn count(settings: &Settings) -> u32 {
     (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
 }
 
-/// Sends `count` photons through the scene and learns from where they land; `None` if there is nothing to learn: no mirrors,
-/// no glass, no surfaces that emit. Not worth anything once the job's halt is due.
-pub fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
+/// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt is due.
+pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, count: u32) {
+    if illumination.heuristic.is_some() {
+        illumination.guide = guide(job, transport, &illumination.lights, count);
+    }
+}
+
+/// Sends photons through the scene and learns from where they land; `None` if there is nothing to learn: no mirrors, no
+/// glass, no surfaces that emit.
+fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
     let scene = job.scene;
-    if !is_useful(scene) {
+    if !has_specular(scene) {
         return None;
     }
     let powers: Vec<f64> = lights
@@ -56,9 +59,9 @@ pub fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32
     let shower = Shower { scene, lights, powers: &powers, sampler, halt: &job.halt };
     let photons: Vec<Photon> = (0..count.div_ceil(TOGETHER))
         .into_par_iter()
-        .map_init(Flock::default, |flock, part| {
+        .map_init(RayBatch::default, |batch, part| {
             let first = part * TOGETHER;
-            shower.fall(transport, flock, first..count.min(first + TOGETHER))
+            shower.fall(transport, batch, first..count.min(first + TOGETHER))
         })
         .flatten_iter()
         .collect();
@@ -92,14 +95,14 @@ enum Event {
 
 impl Shower<'_> {
     /// The photons of `range` that land, in their order.
-    fn fall<T: Transport>(&self, transport: &T, flock: &mut Flock<T>, range: Range<u32>) -> Vec<Photon> {
+    fn fall<T: Transport>(&self, transport: &T, batch: &mut RayBatch<T>, range: Range<u32>) -> Vec<Photon> {
         let mut landed: Vec<Option<Photon>> = range.clone().map(|_| None).collect();
         let first = range.start;
         let (mut flying, mut rays): (Vec<Flying>, Vec<Ray>) =
             range.filter_map(|index| self.start(index)).unzip();
         let mut ends = Vec::new();
         while !rays.is_empty() {
-            flock.follow(transport, &self.scene.geometry, &rays, self.halt, &mut ends);
+            batch.follow(transport, &self.scene.geometry, &rays, self.halt, &mut ends);
             rays.clear();
             for (photon, end) in std::mem::take(&mut flying).into_iter().zip(&ends) {
                 let (place, Outcome::Landed(landing)) = (photon.index - first, end) else { continue };

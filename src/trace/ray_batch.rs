@@ -11,7 +11,7 @@ use crate::geometry::{Geometry, Search};
 use crate::math::columns::Columns;
 
 /// A worker's rays. Lanes are dense, as in a wavefront; none is filled again.
-pub(super) struct Flock<T: Transport> {
+pub struct RayBatch<T: Transport> {
     flights: Columns<T::Flight>,
     moves: Columns<T::Move>,
     search: Search<T::Segment>,
@@ -25,7 +25,7 @@ pub(super) struct Flock<T: Transport> {
     ended: Vec<usize>,
 }
 
-impl<T: Transport> Default for Flock<T> {
+impl<T: Transport> Default for RayBatch<T> {
     fn default() -> Self {
         Self {
             flights: Columns::default(),
@@ -40,7 +40,7 @@ impl<T: Transport> Default for Flock<T> {
     }
 }
 
-impl<T: Transport> Flock<T> {
+impl<T: Transport> RayBatch<T> {
     /// Where `rays` end, in their order, as [`follow`](super::shoot::follow) tells of each; not worth anything once `halt`
     /// is due.
     pub fn follow(

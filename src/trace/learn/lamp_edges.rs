@@ -2,20 +2,18 @@
 //!
 //! Where a pixel sees the edge of a lamp, a camera path brings either all of its light or none: once light on surfaces
 //! is sampled well, that is most of what is left of the noise. Probes find such pixels: one before the first sample, more
-//! as the samples grow in number. There, what the camera sees of lamps is gathered by [`SPLIT`] short paths for each whole
-//! one, which leaves that light out. Which pixels these are depends on the probes alone, so that the picture's expectation
+//! as the samples grow in number. There, what the camera sees of lamps is gathered by short paths ([`split`](super::super::split)),
+//! several for each whole one, which leaves that light out. Which pixels these are depends on the probes alone, so that the picture's expectation
 //! is unchanged; and for each sample on its own number alone, so that it does not matter how many are asked for.
 
 use glam::Vec3;
 
-use super::pass_of;
-use super::samples::Samples;
-use super::work::{Lattice, Share, Work};
-use crate::scene::{Baked, MAX_SPP, Settings};
+use super::super::edge_pixels::EdgePixels;
+use super::super::passes::pass_of;
+use super::super::samples::Samples;
+use super::super::work::{Lattice, Share, Work};
+use crate::scene::{Baked, MAX_SPP};
 
-/// Short paths for each whole one: the mean of well-distributed points across an edge errs as their number to the
-/// power -3/4, so that these leave an eighth.
-const SPLIT: u32 = 16;
 /// Probes of a pixel that come early: as many as samples.
 const EARLY_PROBES: u32 = 16;
 /// Samples of a pixel for each of its later probes, so that their cost is in proportion: an image of a lamp too small for any
@@ -26,26 +24,34 @@ const FIRST_PROBE: u32 = MAX_SPP;
 /// Relative difference of what is seen from which on it counts: rounding does not.
 const DIFFERENCE: f32 = 1e-3;
 
-/// Pixels of a tile that see edges of lamps.
+/// Pixels of a tile that are known to see edges of lamps.
 #[derive(Clone, Debug, Default)]
-pub struct Edges {
-    /// Their numbers in the tile, row by row.
-    pixels: Vec<u32>,
-    /// Whether each pixel of the tile is one; empty if none is.
-    marks: Vec<bool>,
+pub struct LampEdges {
+    pixels: EdgePixels,
     /// Probes so far of each pixel.
     probes: u32,
 }
 
-impl Edges {
-    /// Probes of a pixel that decide how the samples of the pass that starts with this one are taken.
-    fn probes_before(sample: u32) -> u32 {
-        sample.clamp(1, EARLY_PROBES).max(sample / SAMPLES_PER_PROBE)
-    }
+/// Probes of a pixel that decide how its samples from this one on are taken, up to the end of its pass.
+fn probes_before(sample: u32) -> u32 {
+    let first = pass_of(sample).start;
+    first.clamp(1, EARLY_PROBES).max(first / SAMPLES_PER_PROBE)
+}
 
+impl LampEdges {
     /// Probes of a pixel for a picture of so many samples.
     pub fn probes(spp: u32) -> u32 {
-        Self::probes_before(pass_of(spp - 1).start)
+        probes_before(spp - 1)
+    }
+
+    /// Possibility of edges in a picture of `scene`.
+    pub fn are_possible(scene: &Baked) -> bool {
+        scene.materials.iter().any(|material| material.emits())
+    }
+
+    /// The pixels found so far.
+    pub fn pixels(&self) -> &EdgePixels {
+        &self.pixels
     }
 
     /// Finds more edges in the part of a picture that starts at `origin`, of `size` pixels, before its sample of number
@@ -53,19 +59,19 @@ impl Edges {
     /// without them would make most of the noise of all. `probe` traces; `None`, and nothing changed, if it does.
     pub fn refine(
         &mut self,
+        scene: &Baked,
         (origin, size): ((usize, usize), (usize, usize)),
-        settings: &Settings,
         first_sample: u32,
         probe: impl FnOnce(&Work) -> Option<Samples>,
-    ) -> Option<Self> {
-        let probes = Self::probes_before(first_sample).saturating_sub(self.probes);
-        if probes == 0 {
-            return Some(Self::default());
+    ) -> Option<EdgePixels> {
+        let probes = probes_before(first_sample).saturating_sub(self.probes);
+        if probes == 0 || !Self::are_possible(scene) {
+            return Some(EdgePixels::default());
         }
         // Filters reach one pixel far, and so does what a probe says.
+        let (width, height) = (scene.settings.width, scene.settings.height);
         let low = (origin.0.saturating_sub(1), origin.1.saturating_sub(1));
-        let high =
-            ((origin.0 + size.0 + 1).min(settings.width), (origin.1 + size.1 + 1).min(settings.height));
+        let high = ((origin.0 + size.0 + 1).min(width), (origin.1 + size.1 + 1).min(height));
         let around = (high.0 - low.0, high.1 - low.1);
         let work = Work {
             origin: low,
@@ -89,51 +95,12 @@ impl Edges {
             (most - least).cmpgt(DIFFERENCE * most).any()
         };
         self.probes += probes;
-        let marks: Vec<bool> =
-            (0..size.0 * size.1).map(|pixel| self.holds(pixel as u32) || is_edge(pixel)).collect();
-        let pixels: Vec<u32> = (0..).zip(&marks).filter(|(_, mark)| **mark).map(|(pixel, _)| pixel).collect();
+        let known = |pixel: usize| self.pixels.holds(pixel as u32);
+        let pixels = 0..size.0 * size.1;
+        let found: Vec<bool> = pixels.clone().map(|pixel| !known(pixel) && is_edge(pixel)).collect();
+        self.pixels = EdgePixels::marked(pixels.map(|pixel| known(pixel) || found[pixel]).collect());
         let is_early = (1..=EARLY_PROBES).contains(&first_sample);
-        let found = pixels.iter().copied().filter(|&pixel| is_early && !self.holds(pixel)).collect();
-        self.marks = if pixels.is_empty() { Vec::new() } else { marks };
-        self.pixels = pixels;
-        Some(Self { pixels: found, ..Self::default() })
-    }
-
-    /// Whether a picture of `scene` may have them.
-    pub fn are_useful(scene: &Baked) -> bool {
-        scene.materials.iter().any(|material| material.emits())
-    }
-
-    /// The pixels' numbers in the tile.
-    pub fn pixels(&self) -> &[u32] {
-        &self.pixels
-    }
-
-    /// Whether the tile's pixel `number` is one of them.
-    #[inline]
-    pub fn holds(&self, number: u32) -> bool {
-        self.marks.get(number as usize).is_some_and(|mark| *mark)
-    }
-
-    /// The short paths that belong to the whole ones of `work`; `None` if there are none.
-    pub fn work(&self, work: &Work) -> Option<Work<'_>> {
-        let Work { origin, size, lattice, first_sample, samples, .. } = *work;
-        // Past 2^28 samples the same numbers come again, as far as that is from mattering.
-        let (first_sample, samples) = (SPLIT.wrapping_mul(first_sample), SPLIT * samples);
-        let share = Share::Edges(self);
-        (!self.pixels.is_empty()).then_some(Work { origin, size, lattice, first_sample, samples, share })
-    }
-
-    /// Adds what the paths of [`Self::work`] saw to the whole ones of `work`.
-    pub fn add(&self, seen: &Samples, work: &Work, whole: &mut Samples) {
-        let count = work.samples as usize;
-        let slots = self.pixels.iter().enumerate().flat_map(|(place, &pixel)| {
-            let place = if matches!(work.share, Share::Beyond(_)) { place } else { pixel as usize };
-            (0..count).map(move |sample| place * count + sample)
-        });
-        for (slot, seen) in slots.zip(seen.radiance.chunks_exact(SPLIT as usize)) {
-            whole.radiance[slot] += seen.iter().sum::<Vec3>() / SPLIT as f32;
-        }
+        Some(if is_early { EdgePixels::marked(found) } else { EdgePixels::default() })
     }
 }
 
@@ -146,13 +113,17 @@ fn range(values: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
-    use crate::film::{Image, Wanted};
+    use crate::film::Wanted;
     use crate::scene::load;
-    use crate::trace::tile;
+    use crate::trace::choice::with_render_transport;
+    use crate::trace::halt::Halt;
+    use crate::trace::job::Job;
+    use crate::trace::render::render;
+    use crate::trace::run::Run;
     use crate::trace::transport::{Errand, Transport};
-    use crate::trace::with_render_transport;
-    use crate::trace::work::Job;
     use crate::trace::worker::Workers;
 
     /// Samples per pixel without short paths to the edges of lamps, and with them.
@@ -196,38 +167,37 @@ mod tests {
         material = "glass"
     "#;
 
-    /// The red plane of a picture, with or without short paths.
-    struct Picture<'a> {
-        scene: &'a Baked,
-        splits: bool,
-    }
+    /// The red plane of a picture, without short paths.
+    struct Whole<'a>(&'a Baked);
 
-    impl Errand for Picture<'_> {
+    impl Errand for Whole<'_> {
         type Output = Vec<f64>;
 
         fn run<T: Transport>(self, transport: &T) -> Vec<f64> {
-            let settings = &self.scene.settings;
-            let job = Job::new(self.scene, settings);
-            let workers = Workers::new(&job, transport, Wanted::default(), 1024);
-            let size = (settings.width, settings.height);
-            let mut tiles = tile::cover((0, 0), size, Wanted::default());
-            for tile in &mut tiles {
-                let mut edges = Edges::default();
-                while self.splits && tile.spp < settings.spp {
-                    let end = pass_of(tile.spp).end.min(settings.spp);
-                    workers.own().pass(tile, &mut edges, end).unwrap();
-                }
-                if !self.splits {
-                    let samples = workers.own().samples(tile, Share::Whole(&edges), 0..settings.spp).unwrap();
-                    tile.add(&samples, settings.spp);
-                }
-            }
-            let (width, height) = size;
-            let (planes, attributes) = (Vec::new(), Vec::new());
-            let mut image = Image { width, height, origin: (0, 0), size, planes, attributes };
-            tile::assemble(tiles, &[], &mut image);
-            image.plane("R").unwrap().iter().map(|&value| f64::from(value)).collect()
+            let settings = &self.0.settings;
+            let job = Job::new(self.0, settings, Halt::default());
+            let none = EdgePixels::default();
+            let work = Work {
+                origin: (0, 0),
+                size: (settings.width, settings.height),
+                lattice: Lattice::ALL,
+                first_sample: 0,
+                samples: settings.spp,
+                share: Share::Whole(&none),
+            };
+            let samples = Workers::new(&job, transport, 1024).own().trace(&work, Wanted::default()).unwrap();
+            let pixels = samples.radiance.chunks_exact(settings.spp as usize);
+            pixels.map(|pixel| f64::from(pixel.iter().sum::<Vec3>().x / settings.spp as f32)).collect()
         }
+    }
+
+    /// The red plane of a picture, with or without short paths.
+    fn picture(scene: &Baked, splits: bool) -> Vec<f64> {
+        if !splits {
+            return with_render_transport(scene, Whole(scene));
+        }
+        let image = render(scene, &Run::default(), &AtomicBool::new(false), &|_| ()).image;
+        image.plane("R").unwrap().iter().map(|&value| f64::from(value)).collect()
     }
 
     /// Means over pictures with different seeds, and their variances.
@@ -236,7 +206,7 @@ mod tests {
         let shots: Vec<Vec<f64>> = (0..pictures)
             .map(|seed| {
                 scene.settings.seed = u64::from(seed);
-                with_render_transport(scene, Picture { scene, splits })
+                picture(scene, splits)
             })
             .collect();
         let count = f64::from(pictures);
@@ -280,9 +250,9 @@ mod tests {
 
     #[test]
     fn probes_grow_with_the_samples_between_passes_only() {
-        let before: Vec<u32> = [0, 1, 4, 8, 16, 32, 64, 80].map(Edges::probes_before).into();
+        let before: Vec<u32> = [0, 1, 4, 8, 16, 32, 64, 80].map(probes_before).into();
         assert_eq!(before, [1, 1, 4, 8, 16, 16, 16, 20]);
-        assert_eq!((Edges::probes(1), Edges::probes(16), Edges::probes(64)), (1, 8, 16));
-        assert_eq!(Edges::probes(MAX_SPP), (MAX_SPP - 16) / 4);
+        assert_eq!((LampEdges::probes(1), LampEdges::probes(16), LampEdges::probes(64)), (1, 8, 16));
+        assert_eq!(LampEdges::probes(MAX_SPP), (MAX_SPP - 16) / 4);
     }
 }

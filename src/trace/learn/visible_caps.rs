@@ -1,4 +1,4 @@
-//! Which part of a spherical lamp is exposed.
+//! Caps of spherical lamps that can be seen.
 //!
 //! A lamp often sticks out of a wall: a room may be lit by the tip of a sphere whose rest lies behind the ceiling. Rays
 //! aimed at the rest are wasted. Paths from the camera tell which part is met at all; light samples are then limited to a
@@ -9,19 +9,22 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::edges::Edges;
-use super::shoot::{Ray, Shot, follow};
-use super::stages::draw::Numbers;
-use super::stages::generate::generate;
-use super::stages::scatter::{Meeting, meet, scatter};
-use super::transport::{Outcome, Transport};
-use super::work::{Job, Lattice, Share, Work};
+use super::super::edge_pixels::EdgePixels;
+use super::super::illumination::Illumination;
+use super::super::job::Job;
+use super::super::shoot::{Ray, Shot, follow};
+use super::super::stages::draw::Numbers;
+use super::super::stages::generate::generate;
+use super::super::stages::meet::{Meeting, meet};
+use super::super::stages::scatter::scatter;
+use super::super::transport::{Outcome, Transport};
+use super::super::work::{Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
-use crate::light::{Cap, Lights};
+use crate::light::Cap;
 
 /// Paths that look around.
 const PATHS: usize = 4096;
-/// Fewest meetings that tell where a lamp is exposed.
+/// Fewest meetings that tell which part of a lamp is visible.
 const FEWEST: usize = 16;
 /// Share of them that counts: a few may see a lamp from behind the wall it sticks in.
 const MOST: f64 = 0.95;
@@ -30,15 +33,17 @@ const MARGIN: f64 = 0.15;
 /// Angle of a cap, radians, from which on the whole lamp may as well be sampled.
 const WIDEST: f64 = 1.0;
 
-/// Limits light samples to the exposed parts of spherical lamps; not worth anything once the job's halt is due.
-pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lights) {
-    if !lights.emitters().iter().any(|emitter| emitter.sphere().is_some()) {
+/// Limits light samples to the visible parts of spherical lamps; not worth anything once the job's halt is due.
+pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination) {
+    let lights = &mut illumination.lights;
+    if illumination.heuristic.is_none() || !lights.emitters().iter().any(|emitter| emitter.sphere().is_some())
+    {
         return;
     }
     let settings = job.settings;
     let size = (settings.width, settings.height);
     let pixels = size.0 * size.1;
-    let none = Edges::default();
+    let none = EdgePixels::default();
     let share = Share::Whole(&none);
     let work = Work { origin: (0, 0), size, lattice: Lattice::ALL, first_sample: 0, samples: 1, share };
     let stride = pixels.div_ceil(PATHS).max(1);

@@ -1,0 +1,36 @@
+//! The job: a scene and all that a render knows of it while it takes samples.
+
+use super::halt::Halt;
+use super::illumination::Illumination;
+use super::surroundings::media_around;
+use crate::scene::{Baked, SamplerKind, Settings};
+use crate::shade::{Media, Sampler};
+
+/// What every kernel may read.
+pub struct Job<'a> {
+    /// The baked scene.
+    pub scene: &'a Baked,
+    /// Its settings.
+    pub settings: &'a Settings,
+    /// Random numbers.
+    pub sampler: Sampler,
+    /// Dielectrics around the camera.
+    pub media: Media,
+    /// Light sampling, if any.
+    pub illumination: Option<Illumination>,
+    /// When to give up.
+    pub halt: Halt<'a>,
+}
+
+impl<'a> Job<'a> {
+    /// A render of `scene` under `settings`, before anything is known of its lights, that gives up when `halt` is due.
+    pub fn new(scene: &'a Baked, settings: &'a Settings, halt: Halt<'a>) -> Self {
+        let sampler = match settings.sampler {
+            SamplerKind::Sobol => Sampler::sobol(settings.seed),
+            SamplerKind::Independent => Sampler::independent(settings.seed),
+        };
+        let camera = &scene.camera;
+        let media = media_around(scene, camera.position + camera.near * camera.forward);
+        Self { scene, settings, sampler, media, illumination: None, halt }
+    }
+}

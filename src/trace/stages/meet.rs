@@ -1,0 +1,62 @@
+//! The surface, or glass and all that lies upon it, that is met where a path lands.
+
+use glam::DVec3;
+
+use super::super::transport::Landing;
+use crate::geometry::{PrimitiveId, SurfacePoint};
+use crate::scene::Baked;
+use crate::shade::{Crossing, Incidence, Media};
+
+/// What a path meets where it lands.
+pub struct Meeting {
+    /// The primitive: of several that lie upon each other a solid one, else the first.
+    pub primitive: PrimitiveId,
+    /// Its surface.
+    pub surface: SurfacePoint,
+    /// Through what light goes that is refracted.
+    crossing: Crossing,
+}
+
+/// What a path in `media` meets where it lands. Glass is met together with all that lies upon it there: what is solid stops
+/// light, and further glass is gone through with it.
+#[inline(always)]
+pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
+    let mut meeting = Meeting {
+        primitive: landing.primitive,
+        surface: scene.geometry.surface_point(landing.primitive, landing.position),
+        crossing: Crossing::none(media),
+    };
+    if is_glass(scene, &meeting.surface) {
+        meet_upon(scene, landing, media, &mut meeting);
+    }
+    meeting
+}
+
+impl Meeting {
+    /// How light in `media` that travels in a unit direction meets it.
+    #[inline(always)]
+    pub fn incidence(&self, direction: DVec3, media: Media) -> Incidence {
+        let SurfacePoint { normal, shading_normal, surface, .. } = self.surface;
+        let crossing = self.crossing;
+        Incidence { direction, normal, shading_normal, material: surface.material, media, crossing }
+    }
+}
+
+fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
+    scene.materials[surface.surface.material as usize].is_dielectric()
+}
+
+/// Meets what lies upon glass with it.
+#[inline(never)]
+fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeting) {
+    let &Landing { position, direction, primitive } = landing;
+    let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
+    let others = scene.geometry.upon(primitive, position);
+    let others = || others.iter().map(|&other| (other, scene.geometry.surface_point(other, position)));
+    if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
+        (meeting.primitive, meeting.surface) = (solid, surface);
+        return;
+    }
+    let faces = std::iter::once(face(&meeting.surface)).chain(others().map(|(_, other)| face(&other)));
+    meeting.crossing = Crossing::of(media, faces);
+}
