@@ -13,7 +13,7 @@ pub struct Dop853;
 
 /// The estimate is that of order 5. Its quotient with one of order 3, \[H, (10.17)\], is closer in most steps but vanishes
 /// as a square where this one is small by chance: in lenses, errors were hundreds of times the tolerance.
-const TABLEAU: RungeKutta<13> = RungeKutta {
+pub(super) const TABLEAU: RungeKutta<13> = RungeKutta {
     c: [
         0.0,
         0.052_600_151_958_767_73,
@@ -220,7 +220,12 @@ impl Stepper for Dop853 {
     const ESTIMATE: Estimate = Estimate { order: 7, embedded: 0.02, undone: 0.0 };
 
     #[inline(always)]
-    fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
+    fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        start: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N> {
         TABLEAU.step(force, start, h)
     }
 }

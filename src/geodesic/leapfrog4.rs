@@ -3,7 +3,7 @@
 //! Reference: \[S\] Suzuki 1990, "Fractal decomposition of exponential operators", Phys. Lett. A 146, 319. Hairer,
 //! Lubich, Wanner, "Geometric Numerical Integration", 2nd ed., II.4, (4.5).
 
-use super::stepper::{Estimate, Stepper, Trial, sum};
+use super::stepper::{Estimate, Stepper, Trial, added, scaled, sum};
 use crate::math::real::Real;
 
 /// Suzuki's composition of leapfrogs, order 4.
@@ -25,19 +25,24 @@ impl Stepper for Leapfrog4 {
     /// There is no second solution to compare with: the error is estimated by what the step violates of the constraint,
     /// which in a weak field may vanish by chance, and by how much the force curves, O(h⁴) in the position.
     #[inline(always)]
-    fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
-        let (mut gain, mut velocity, mut kick, mut done) = (R::of(0.0), v, f, 0.0);
+    fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        [w, v, f]: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N> {
+        let (mut gain, mut velocity, mut kick, mut done) = ([R::of(0.0); N], v, f, 0.0);
         let mut forces = [f; 6];
         for (i, length) in LENGTHS.into_iter().enumerate() {
             let half = R::of(0.5 * length) * h;
-            velocity = velocity + half * kick;
-            gain = gain + R::of(length) * h * velocity;
+            velocity = added(velocity, scaled(half, kick));
+            gain = added(gain, scaled(R::of(length) * h, velocity));
             done += length;
-            kick = force(R::of(done) * h, w + gain);
+            kick = force(R::of(done) * h, added(w, gain));
             forces[i + 1] = kick;
-            velocity = velocity + half * kick;
+            velocity = added(velocity, scaled(half, kick));
         }
-        let position_error = h * h * sum(&CURVED, &forces, 6);
-        Trial { gain, velocity, position_error, velocity_error: R::of(0.0) }
+        let position_error = scaled(h * h, sum(&CURVED, &forces, 6));
+        Trial { gain, velocity, position_error, velocity_error: [R::of(0.0); N] }
     }
 }

@@ -21,7 +21,7 @@
 
 use glam::DVec3;
 
-use super::Stepper;
+use super::{Stepper, Trial};
 use crate::math::exact;
 use crate::math::frame;
 use crate::math::real::Real;
@@ -191,15 +191,20 @@ impl<R: Real> Step<R> {
             let root = squared.sqrt();
             (root, root * (one / squared))
         };
-        let force = |xi: R, position: R| {
+        let force = |xi: R, [position]: [R; 1]| {
             let (_, c) = secant(xi);
-            medium.pull(position * c) * (c * c * c)
+            [medium.pull(position * c) * (c * c * c)]
         };
-        let trial = stepper.step(force, [start.w, start.v, start.pull], h);
+        let Trial {
+            gain: [gain],
+            velocity: [velocity],
+            position_error: [position_error],
+            velocity_error: [v_error],
+        } = stepper.step(force, [[start.w], [start.v], [start.pull]], h);
         let (secant, c) = secant(h);
-        let position = start.w + trial.gain;
+        let position = start.w + gain;
         let sin = b * h * c;
-        let (w, v) = (position * c, trial.velocity * secant - position * (b * sin));
+        let (w, v) = (position * c, velocity * secant - position * (b * sin));
         let (n2, pull) = (medium.index_squared(w), medium.pull(w));
         // One step of Newton's method towards the constraint, along its gradient in units of w and n.
         let excess = v * v + b2 * w * w - n2;
@@ -213,7 +218,7 @@ impl<R: Real> Step<R> {
         let per_n2 = per_n * per_n;
         let (per_w, per_v) = (b * per_n, b * w.abs() * per_n2);
         let angle = |w_error: R, v_error: R| w_error.abs() * per_w + v_error.abs() * per_v;
-        let v_error = trial.velocity_error * secant;
+        let v_error = v_error * secant;
         // What may be rounding counts neither as an error, which it would look like near the circular ray, where both slopes
         // vanish, nor as a way, which would move rays about far from the centre. Near the horizon it is that of w.
         let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
@@ -223,13 +228,13 @@ impl<R: Real> Step<R> {
         Self {
             b,
             start,
-            rise: trial.gain * c - undone * across_w,
+            rise: gain * c - undone * across_w,
             end,
             per_index: per_n,
             h,
             cos: c,
             sin,
-            embedded: angle(trial.position_error * c, v_error),
+            embedded: angle(position_error * c, v_error),
             undone: known_shift * angle(across_w, across_v),
             drift: excess.abs() / n2,
             strain: known_shift * n2 + known * per_n2 + v_error.abs() * per_n,

@@ -74,7 +74,12 @@ impl Stepper for Rkn6 {
     const ESTIMATE: Estimate = Estimate { order: 6, embedded: 0.008, undone: 0.0 };
 
     #[inline(always)]
-    fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
+    fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        start: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N> {
         TABLEAU.step(force, start, h)
     }
 }

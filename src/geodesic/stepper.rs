@@ -1,20 +1,23 @@
-//! What a stepper is: one explicit step of a scalar equation W″ = G(ξ, W), with an error estimate.
+//! Steppers: one explicit step of W″ = G(ξ, W) with an error estimate, in as many dimensions as W has.
+//!
+//! Tableaux know nothing of the problem: [`Nystrom`] takes any W″ = G(ξ, W), [`RungeKutta`] any system of order `D`,
+//! given as its first derivatives.
 //!
 //! References: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.1–II.5, II.14.
 
 use crate::math::real::Real;
 
-/// The end of a step.
+/// The end of a step, by component.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trial<R> {
+pub struct Trial<R, const N: usize = 1> {
     /// Change of W: exact to its own rounding, not to that of W.
-    pub gain: R,
+    pub gain: [R; N],
     /// dW/dξ.
-    pub velocity: R,
+    pub velocity: [R; N],
     /// Estimated error of W.
-    pub position_error: R,
+    pub position_error: [R; N],
     /// Estimated error of dW/dξ.
-    pub velocity_error: R,
+    pub velocity_error: [R; N],
 }
 
 /// From what is known of a step to its error along the orbit, which is what remains: factors calibrated on random rays
@@ -38,7 +41,12 @@ pub trait Stepper: Copy + Send + Sync {
     const ESTIMATE: Estimate;
 
     /// One step of length `h` from ξ = 0, given W, dW/dξ and G there.
-    fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R>;
+    fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        start: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N>;
 }
 
 /// Coefficients of a Runge–Kutta method of `S` stages, the last of them at the end of the step \[H, II.1\].
@@ -69,32 +77,66 @@ pub struct Nystrom<const S: usize> {
 
 /// Σ weights × values, over the first `count`.
 #[inline(always)]
-pub(super) fn sum<R: Real, const S: usize>(weights: &[f64; S], values: &[R; S], count: usize) -> R {
+pub(super) fn sum<R: Real, const N: usize, const S: usize>(
+    weights: &[f64; S],
+    values: &[[R; N]; S],
+    count: usize,
+) -> [R; N] {
     // What is added to −0 stays what it is: no operation.
-    let mut sum = R::of(-0.0);
+    let mut sum = [R::of(-0.0); N];
     for j in 0..count {
         if weights[j] != 0.0 {
-            sum = sum + R::of(weights[j]) * values[j];
+            for k in 0..N {
+                sum[k] = sum[k] + R::of(weights[j]) * values[j][k];
+            }
         }
     }
     sum
 }
 
+/// `scale` times a vector.
+#[inline(always)]
+pub(super) fn scaled<R: Real, const N: usize>(scale: R, mut vector: [R; N]) -> [R; N] {
+    for component in &mut vector {
+        *component = scale * *component;
+    }
+    vector
+}
+
+/// Sum of two vectors.
+#[inline(always)]
+pub(super) fn added<R: Real, const N: usize>(mut a: [R; N], b: [R; N]) -> [R; N] {
+    for k in 0..N {
+        a[k] = a[k] + b[k];
+    }
+    a
+}
+
 impl<const S: usize> RungeKutta<S> {
-    /// Change of W up to the last stage, and velocity and force of all stages.
+    /// One step of y′ = `slope`(ξ, y), given y and y′ at its start: change of y, and its estimated error. The `D` vectors
+    /// of y are a position and its derivatives, or whatever else a system of first order is made of.
     #[inline(always)]
-    pub(super) fn stages<R: Real>(
+    pub(super) fn advance<R: Real, const N: usize, const D: usize>(
         &self,
-        force: impl Fn(R, R) -> R,
-        [w, v, f]: [R; 3],
+        slope: impl Fn(R, [[R; N]; D]) -> [[R; N]; D],
+        [start, first]: [[[R; N]; D]; 2],
         h: R,
-    ) -> (R, [R; S], [R; S]) {
-        let (mut gain, mut velocities, mut forces) = (R::of(0.0), [v; S], [f; S]);
+    ) -> [[[R; N]; D]; 2] {
+        let (mut gain, mut slopes) = ([[R::of(0.0); N]; D], [[[R::of(0.0); N]; S]; D]);
+        for d in 0..D {
+            slopes[d][0] = first[d];
+        }
         let mut stage = |i: usize| {
             if i < S {
-                gain = h * sum(&self.a[i], &velocities, i);
-                velocities[i] = v + h * sum(&self.a[i], &forces, i);
-                forces[i] = force(R::of(self.c[i]) * h, w + gain);
+                let mut state = start;
+                for d in 0..D {
+                    gain[d] = scaled(h, sum(&self.a[i], &slopes[d], i));
+                    state[d] = added(start[d], gain[d]);
+                }
+                let next = slope(R::of(self.c[i]) * h, state);
+                for d in 0..D {
+                    slopes[d][i] = next[d];
+                }
             }
         };
         const { assert!(S <= 13, "write out more stages") };
@@ -108,45 +150,55 @@ impl<const S: usize> RungeKutta<S> {
         for i in 9..13 {
             stage(i);
         }
-        (gain, velocities, forces)
+        let mut error = gain;
+        for d in 0..D {
+            error[d] = scaled(h, sum(&self.e, &slopes[d], S));
+        }
+        [gain, error]
     }
 
-    /// One step with the estimate of weights `e`.
+    /// One step of W″ = G with the estimate of weights `e`.
     #[inline(always)]
-    pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, start: [R; 3], h: R) -> Trial<R> {
-        let (gain, velocities, forces) = self.stages(force, start, h);
-        Trial {
-            gain,
-            velocity: velocities[S - 1],
-            position_error: h * sum(&self.e, &velocities, S),
-            velocity_error: h * sum(&self.e, &forces, S),
-        }
+    pub(super) fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        [w, v, f]: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N> {
+        let slope = |xi: R, [w, v]: [[R; N]; 2]| [v, force(xi, w)];
+        let [[gain, kick], [position_error, velocity_error]] = self.advance(slope, [[w, v], [v, f]], h);
+        Trial { gain, velocity: added(v, kick), position_error, velocity_error }
     }
 }
 
 impl<const S: usize> Nystrom<S> {
-    /// One step.
+    /// One step of W″ = G.
     #[inline(always)]
-    pub(super) fn step<R: Real>(&self, force: impl Fn(R, R) -> R, [w, v, f]: [R; 3], h: R) -> Trial<R> {
+    pub(super) fn step<R: Real, const N: usize>(
+        &self,
+        force: impl Fn(R, [R; N]) -> [R; N],
+        [w, v, f]: [[R; N]; 3],
+        h: R,
+    ) -> Trial<R, N> {
         let h2 = h * h;
-        let (mut gain, mut forces) = (R::of(0.0), [f; S]);
+        let (mut gain, mut forces) = ([R::of(0.0); N], [f; S]);
         for i in 1..S {
             let ch = R::of(self.c[i]) * h;
             // The last force comes last: what is known before is not waited for.
             let weights = &self.a[i];
-            gain = ch * v;
+            gain = scaled(ch, v);
             for j in 0..i {
                 if weights[j] != 0.0 {
-                    gain = gain + h2 * R::of(weights[j]) * forces[j];
+                    gain = added(gain, scaled(h2 * R::of(weights[j]), forces[j]));
                 }
             }
-            forces[i] = force(ch, w + gain);
+            forces[i] = force(ch, added(w, gain));
         }
         Trial {
             gain,
-            velocity: v + h * sum(&self.b, &forces, S),
-            position_error: h2 * sum(&self.e, &forces, S),
-            velocity_error: h * sum(&self.d, &forces, S),
+            velocity: added(v, scaled(h, sum(&self.b, &forces, S))),
+            position_error: scaled(h2, sum(&self.e, &forces, S)),
+            velocity_error: scaled(h, sum(&self.d, &forces, S)),
         }
     }
 }
@@ -200,5 +252,20 @@ pub(super) mod tests {
         for power in 0..lower[1] {
             moment(&tableau.d, &tableau.c, power, 0.0);
         }
+    }
+
+    #[test]
+    fn a_tableau_steps_a_system_of_first_order_too() {
+        // y′ = (−y₂, y₁): once around a circle.
+        let slope = |_: f64, [[x, y]]: [[f64; 2]; 1]| [[-y, x]];
+        let (steps, mut state) = (64, [[1.0, 0.0]]);
+        let h = std::f64::consts::TAU / f64::from(steps);
+        for _ in 0..steps {
+            let [gain, error] = super::super::dop853::TABLEAU.advance(slope, [state, slope(0.0, state)], h);
+            state = [added(state[0], gain[0])];
+            assert!(error[0].iter().all(|error| error.abs() < 1e-6), "{error:?}");
+        }
+        let [[x, y]] = state;
+        assert!((x - 1.0).hypot(y) < 1e-12, "{x} {y}");
     }
 }

@@ -12,12 +12,12 @@ use rayon::prelude::*;
 use super::super::edge_pixels::EdgePixels;
 use super::super::illumination::Illumination;
 use super::super::job::Job;
-use super::super::shoot::{Ray, Shot, follow};
+use super::super::shoot::{Shot, follow};
 use super::super::stages::draw::Numbers;
 use super::super::stages::generate::generate;
 use super::super::stages::meet::{Meeting, meet};
 use super::super::stages::scatter::scatter;
-use super::super::transport::{Outcome, Transport};
+use super::super::transport::{Landing, Outcome, Start, Transport};
 use super::super::work::{Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::Cap;
@@ -63,13 +63,14 @@ pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumina
 fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
     let scene = job.scene;
     let (mut path, position, direction) = generate(job, work, pixel);
-    let mut ray = Ray { position, direction, leaves: PrimitiveId::NONE };
+    let mut start = Start { position, direction, leaves: PrimitiveId::NONE, carried: T::Carried::default() };
     let mut met = Vec::new();
     loop {
         if job.halt.is_due() {
             return met;
         }
-        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, &job.halt, |_, _, _, _| {});
+        let (Shot { end, .. }, carried) =
+            follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let meeting = meet(scene, &landing, path.media);
         let incidence = meeting.incidence(landing.direction, path.media);
@@ -79,7 +80,8 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
         let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
-        ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };
+        let Landing { position, primitive: leaves, .. } = landing;
+        start = Start { position, direction: bounce.direction, leaves, carried };
     }
 }
 

@@ -42,8 +42,9 @@ const EQUATIONS: [Equation; 3] = [
 impl Equation {
     /// One step of length `h` from `xi`.
     fn step<S: Stepper>(&self, stepper: &S, xi: f64, [w, v]: [f64; 2], h: f64) -> (Trial<f64>, [f64; 2]) {
-        let trial = stepper.step(|offset, w| (self.force)(xi + offset, w), [w, v, (self.force)(xi, w)], h);
-        (trial, [w + trial.gain, trial.velocity])
+        let force = |offset, [w]: [f64; 1]| [(self.force)(xi + offset, w)];
+        let trial = stepper.step(force, [[w], [v], force(0.0, [w])], h);
+        (trial, [w + trial.gain[0], trial.velocity[0]])
     }
 
     /// The error at the end after `count` steps.
@@ -131,7 +132,7 @@ fn local<S: Stepper>(equation: &Equation, stepper: &S, h: f64) -> (f64, f64) {
     let (trial, end) = equation.step(stepper, START, (equation.exact)(START), h);
     let exact = (equation.exact)(START + h);
     let error = (end[0] - exact[0]).abs() + (end[1] - exact[1]).abs();
-    (error, trial.position_error.abs() + trial.velocity_error.abs())
+    (error, trial.position_error[0].abs() + trial.velocity_error[0].abs())
 }
 
 /// Where single steps start.
@@ -190,6 +191,29 @@ fn check_order_at_least<S: Stepper>(name: &str, _: &S, order: f64) {
 }
 
 #[test]
+fn a_step_in_three_dimensions_is_one_in_each_where_they_are_independent() {
+    let force = |i: usize, xi: f64, w: f64| (2.0 + i as f64) * w * (xi.cos() - w);
+    let (w, v, h) = ([0.3, -0.4, 0.5], [0.1, 0.2, -0.7], 0.3);
+    with_every_stepper!(|name, stepper| {
+        let together = |xi, w: [f64; 3]| [force(0, xi, w[0]), force(1, xi, w[1]), force(2, xi, w[2])];
+        let three = stepper.step(together, [w, v, together(0.0, w)], h);
+        for i in 0..3 {
+            let alone = |xi, [w]: [f64; 1]| [force(i, xi, w)];
+            let one = stepper.step(alone, [[w[i]], [v[i]], alone(0.0, [w[i]])], h);
+            let Trial { gain, velocity, position_error, velocity_error } = three;
+            let of = |vector: [f64; 3]| [vector[i]];
+            let component = Trial {
+                gain: of(gain),
+                velocity: of(velocity),
+                position_error: of(position_error),
+                velocity_error: of(velocity_error),
+            };
+            assert_eq!(component, one, "{name}, dimension {i}");
+        }
+    });
+}
+
+#[test]
 fn the_composed_leapfrog_takes_back_its_steps() {
     let equation = &EQUATIONS[1];
     let there_and_back = |step: &dyn Fn(f64, [f64; 2], f64) -> [f64; 2]| {
@@ -208,10 +232,10 @@ fn the_composed_leapfrog_takes_back_its_steps() {
 fn area<S: Stepper>(stepper: &S, h: f64) -> f64 {
     let column = |along: [f64; 2]| {
         let dual = |value, slope| Dual { value, slope };
-        let force = |_, w: Dual<f64>| Dual::of(2.0) * w * w * w;
+        let force = |_, [w]: [Dual<f64>; 1]| [Dual::of(2.0) * w * w * w];
         let (w, v) = (dual(0.7, along[0]), dual(-0.4, along[1]));
-        let end = stepper.step(force, [w, v, force(w, w)], dual(h, 0.0));
-        [(w + end.gain).slope, end.velocity.slope]
+        let end = stepper.step(force, [[w], [v], force(w, [w])], dual(h, 0.0));
+        [(w + end.gain[0]).slope, end.velocity[0].slope]
     };
     let (a, b) = (column([1.0, 0.0]), column([0.0, 1.0]));
     a[0] * b[1] - a[1] * b[0]
