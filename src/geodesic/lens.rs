@@ -92,7 +92,7 @@ pub struct Connection {
     pub b: f64,
     /// Solid angle at x over the area at y perpendicular to the ray, in the chart; over the solid angle there if y is at
     /// infinity. Infinite where rays of all azimuths meet.
-    pub spread: f64,
+    pub geometry_factor: f64,
     /// |dφ/dα| at x and at y, α the angle between ray and radius at one end and the other place fixed.
     pub swing: [f64; 2],
     /// Length of the straight line between two places on one side of the photon sphere, in the plane of B.
@@ -225,7 +225,7 @@ impl Lens {
             arrival: vector(y, track.end),
             swept,
             b: track.b,
-            spread: spread(x, y, &track, sine),
+            geometry_factor: geometry_factor(x, y, &track, sine),
             swing: [track.rate / (x.q * track.end[0].abs()), track.rate / (y.q * track.start[0].abs())],
             line: track.distance / (x.q * y.q),
         })
@@ -233,7 +233,7 @@ impl Lens {
 
     /// The unit direction in which the ray that [`Self::connect`] finds arrives at `y`, roughly and at once: to first order
     /// in the bending if the ray does not go around, else as the critical ray.
-    pub fn aim(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
+    pub fn estimated_arrival(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
         let angle = libm::atan2(sin, x.radial.dot(y.radial));
@@ -263,7 +263,7 @@ impl Lens {
     /// way, for a lens that bends rays by 2c/b: exact far from the centre and close to alignment, an estimate elsewhere.
     ///
     /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
-    pub fn odds(&self, x: &Site, y: &Site) -> f64 {
+    pub fn magnification_ratio(&self, x: &Site, y: &Site) -> f64 {
         let (spin, along) = (x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
         let off = libm::atan2(spin, -along);
         // b²/f − b off − 2c = 0, whose roots are the impact parameters of the two images.
@@ -271,9 +271,9 @@ impl Lens {
         ((root - off) / (root + off)).powi(2)
     }
 
-    /// Winding number and [`Connection::spread`] of a ray that leaves `x` in the unit `direction` and arrives at `y`
+    /// Winding number and [`Connection::geometry_factor`] of a ray that leaves `x` in the unit `direction` and arrives at `y`
     /// travelling in the unit direction `arrival`.
-    pub fn ray(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
+    pub fn classify(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
         let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
         let b = across.length().max(RADIAL) / x.q;
         let track = if (x.s > 0.0) != (y.s > 0.0) {
@@ -295,7 +295,7 @@ impl Lens {
             2.0 * (turns - 0.25).round()
         };
         let sine = if track.swept < AROUND { libm::sin(track.swept) } else { spin.length() };
-        Some((winding.max(0.0) as u32, spread(x, y, &track, sine)))
+        Some((winding.max(0.0) as u32, geometry_factor(x, y, &track, sine)))
     }
 
     /// The ray from `x` to `y` that sweeps an angle.
@@ -525,8 +525,8 @@ impl Site {
     }
 }
 
-/// [`Connection::spread`] of a track from `x` to `y`, given |sin φ|.
-fn spread(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
+/// [`Connection::geometry_factor`] of a track from `x` to `y`, given |sin φ|.
+fn geometry_factor(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
     let far = if y.w > 0.0 { y.w * y.w } else { 1.0 };
     track.b * x.q * x.q * far / (sine * track.rate)
 }
@@ -767,7 +767,7 @@ mod tests {
                 assert!(ray.direction.distance(way * at(0.5 * PI)) < 1e-6, "{ray:?}");
                 // Rays beside it part like sin φ across its plane, like sinh φ in it.
                 let exact = 1.0 / (rho * rho * (ray.swept.sin() * ray.swept.sinh()).abs());
-                assert!((ray.spread / exact - 1.0).abs() < 1e-12, "{ray:?}, exactly {exact}");
+                assert!((ray.geometry_factor / exact - 1.0).abs() < 1e-12, "{ray:?}, exactly {exact}");
                 let time = lens.time(&x, &y, &ray);
                 assert!((time / (ray.b * ray.swept) - 1.0).abs() < 1e-12, "{time}");
             }
@@ -780,6 +780,6 @@ mod tests {
         let x = lens.site(&hole, DVec3::new(1.0, 2.0, -3.0));
         assert_eq!(lens.connect(&x, &x, 0), None);
         let ring = lens.connect(&x, &x, 1).unwrap();
-        assert_eq!((ring.swept, ring.spread), (2.0 * PI, f64::INFINITY));
+        assert_eq!((ring.swept, ring.geometry_factor), (2.0 * PI, f64::INFINITY));
     }
 }

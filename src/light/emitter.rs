@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::{Emission, Receiver};
+use super::aim::Approach;
+use super::receiver::Receiver;
+use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
 use crate::math::frame::tangents;
 use crate::math::turn;
@@ -79,15 +81,8 @@ pub struct Spot {
 pub enum View {
     /// From where any of its points may be seen: from inside a sphere, or from itself.
     Everywhere,
-    /// From outside.
-    Outside {
-        /// Distance of the onlooker from the middle, scene units.
-        distance: f64,
-        /// Unit direction in which light is followed to the middle of the emitter.
-        direction: DVec3,
-        /// Whether that direction is exact; a guess misses parts of what can be seen.
-        is_exact: bool,
-    },
+    /// From outside, along a ray that ends in the middle.
+    Outside(Approach),
 }
 
 /// Where a place is, relative to an emitter.
@@ -133,7 +128,7 @@ impl Emitter {
     /// side that it looks to: its distance from the centre is the radius but for rounding.
     pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
         let Some(sphere) = self.sphere() else { return Standpoint::Apart };
-        let from = receiver.place.position - sphere.center;
+        let from = receiver.position - sphere.center;
         let excess = from.length_squared() / (sphere.radius * sphere.radius) - 1.0;
         if receiver.on != self.primitive && excess.abs() > ON {
             return if excess > 0.0 { Standpoint::Apart } else { Standpoint::Inside };
@@ -185,7 +180,7 @@ impl Emitter {
         }
     }
 
-    /// What the light tree is to know.
+    /// Bounds, power and orientation cone for the light tree.
     pub fn emission(&self) -> Emission {
         let (min, max, area) = match self.form {
             Form::Cap(sphere, cap) => {
@@ -240,7 +235,7 @@ struct Cone {
 impl Cone {
     /// `None` where any point may be seen.
     fn of(sphere: &Sphere, view: &View) -> Option<Self> {
-        let View::Outside { distance, direction, is_exact } = *view else { return None };
+        let View::Outside(Approach { distance, direction, is_exact }) = *view else { return None };
         let k = distance / sphere.radius;
         let excess = ((distance - sphere.radius) / sphere.radius) * (k + 1.0);
         let height = 1.0 / (k * (k + excess.sqrt()));

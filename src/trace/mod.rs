@@ -205,7 +205,7 @@ impl Renderer<'_> {
         wanted: Wanted,
         started: Instant,
     ) -> (Counters, StageTimes, usize) {
-        let mut illumination = Illumination::of(self.scene);
+        let mut illumination = Illumination::of(self.scene, transport);
         job.halt = Halt::new(self.cancel, self.run.time_limit);
         if let Some(illumination) = &mut illumination {
             illumination.learn(job, transport);

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::transport::{Advancing, Landing, Outcome, Transport};
 use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
+use crate::light::Lensed;
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
@@ -96,11 +97,16 @@ impl Kernel for Asking {
     }
 }
 
-impl<M: ConformallyFlat> Transport for PaperMarch<M> {
+impl<M: ConformallyFlat + 'static> Transport for PaperMarch<M> {
     type Flight = PaperFlight;
     type Move = PaperMove;
     type Segment = Line;
     type Scratch = ();
+    type Aim = Lensed<M>;
+
+    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
+        Lensed::new(self.medium, self.center, max_winding)
+    }
 
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
         let x = position - self.center;

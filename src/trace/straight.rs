@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::transport::{Advancing, Landing, Outcome, Transport};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
+use crate::light;
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 
@@ -64,6 +65,11 @@ impl Transport for Straight {
     type Move = StraightMove;
     type Segment = Line;
     type Scratch = ();
+    type Aim = light::Straight;
+
+    fn aim(&self, _: u32) -> Option<light::Straight> {
+        Some(light::Straight)
+    }
 
     #[inline(always)]
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {

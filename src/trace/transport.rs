@@ -8,6 +8,7 @@ use std::convert::Infallible;
 use glam::DVec3;
 
 use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
+use crate::light::Aim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 
@@ -93,6 +94,11 @@ pub trait Transport: Sync + Sized {
     type Segment: SideBySide;
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
+    /// Aim of light samples along these rays.
+    type Aim: Aim + 'static;
+
+    /// The aim, with winding numbers up to `max_winding`; `None` if it finds no rays in this spacetime.
+    fn aim(&self, max_winding: u32) -> Option<Self::Aim>;
 
     /// A ray that starts at `position` (world) in the unit `direction`, on the primitive `leaves`.
     fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Self::Flight;
