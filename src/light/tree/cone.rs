@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use super::Emission;
+use super::emission::Emission;
 
 /// The directions into which a cluster of emitters shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
