@@ -20,11 +20,11 @@ pub struct Emitter {
     pub form: Form,
     /// Emitted radiance.
     pub radiance: Vec3,
-    /// Whether its back emits, too.
+    /// True if its back emits, too.
     pub both_sides: bool,
 }
 
-/// Where on an emitter points are chosen.
+/// Part of an emitter on which points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// Everywhere.
@@ -48,7 +48,7 @@ impl Cap {
         Self { axis, height: 2.0 * libm::sin(0.5 * angle).powi(2) }
     }
 
-    /// Whether a point with this unit normal lies on it.
+    /// True if a point with this unit normal lies on it.
     pub fn holds(&self, normal: DVec3) -> bool {
         0.5 * normal.distance_squared(self.axis) <= self.height
     }
@@ -76,7 +76,7 @@ pub struct Spot {
     pub density: f64,
 }
 
-/// Where an emitter is looked at from.
+/// View of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
     /// From where any of its points may be seen: from inside a sphere, or from itself.
@@ -85,7 +85,7 @@ pub enum View {
     Outside(Approach),
 }
 
-/// Where a place is, relative to an emitter.
+/// Side of an emitter on which a place is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standpoint {
     /// Inside the sphere that the emitter is, or on its inner side.
@@ -98,7 +98,7 @@ pub enum Standpoint {
 
 /// How near a sphere a place lies on it, relative to the radius: what coincides with the sphere does so but for rounding.
 const ON: f64 = 1e-9;
-/// Share of points spread evenly over a sphere of which only a guess says which side is seen.
+/// Share of points chosen evenly over a sphere if the view is an estimate.
 const EVEN: f64 = 0.1;
 
 impl Emitter {
@@ -119,12 +119,12 @@ impl Emitter {
         }
     }
 
-    /// Whether points depend on the view.
+    /// True if points depend on the view.
     pub fn needs_view(&self) -> bool {
         matches!(self.form, Form::Whole(Shape::Sphere(_)))
     }
 
-    /// Where a receiver is. Which side of a sphere it is on is decided here alone, and for what lies on the sphere by the
+    /// Side on which a receiver is. For a sphere it is decided here alone, and for what lies on the sphere by the
     /// side that it looks to: its distance from the centre is the radius but for rounding.
     pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
         let Some(sphere) = self.sphere() else { return Standpoint::Apart };
@@ -136,7 +136,7 @@ impl Emitter {
         if receiver.normal.dot(from) > 0.0 { Standpoint::Upon } else { Standpoint::Inside }
     }
 
-    /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
+    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
     /// and of a sphere from the side on which the place is.
     pub fn is_lit_by(&self, cos: f64, standpoint: Standpoint) -> bool {
         let is_front = match self.sphere() {
@@ -228,7 +228,7 @@ struct Cone {
     height: f64,
     /// Unit direction to the middle.
     direction: DVec3,
-    /// Share of points spread evenly over the sphere.
+    /// Share of points chosen evenly over the sphere.
     even: f64,
 }
 

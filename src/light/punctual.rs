@@ -56,7 +56,7 @@ impl Punctual {
         }
     }
 
-    /// Where it is; `None` at infinity.
+    /// Position; `None` at infinity.
     pub fn position(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
@@ -94,7 +94,7 @@ impl Punctual {
         }
     }
 
-    /// Whether there is any light at all.
+    /// True if there is any light at all.
     pub fn emits(&self) -> bool {
         self.peak() != Vec3::ZERO
     }

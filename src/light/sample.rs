@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::geometry::PrimitiveId;
 
-/// Where a light ray must end to bring its light.
+/// End that a light ray must have to bring its light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Target {
     /// Nowhere.
@@ -25,9 +25,9 @@ pub enum Target {
 pub struct LightSample {
     /// Unit direction.
     pub direction: DVec3,
-    /// Where the ray must end.
+    /// End that the ray must have.
     pub target: Target,
-    /// What it brings.
+    /// Light that it brings.
     pub light: Incoming,
 }
 

@@ -25,7 +25,7 @@ pub struct Lens {
     pub(super) reach: [f64; 2],
     /// Gauss–Legendre rules, the number of nodes growing.
     pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
-    /// What a rule must resolve: −½ ln of the relative error.
+    /// Resolution that a rule must have: −½ ln of the relative error.
     pub(super) digits: f64,
     /// Relative change of a root that ends its search.
     pub(super) enough: f64,
@@ -115,7 +115,7 @@ impl Site {
     }
 }
 
-/// Where a predicate that holds from `low` on ceases to, between `low` and `high`.
+/// Bisects for the number at which a predicate that holds from `low` on ceases to, between `low` and `high`.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while high - low > f64::EPSILON * high {
         let middle = 0.5 * (low + high);

@@ -13,7 +13,7 @@ const ON_PHOTON_SPHERE: f64 = 5e-6;
 const LARGEST: f64 = 128.0;
 /// Relative rounding of a swept angle.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// What the estimated error of a root that is not evaluated must keep of what is enough.
+/// Bound on the estimated error of a root that is not evaluated, relative to the tolerance.
 const SLOPE_SAFETY: f64 = 0.1;
 /// Most iterations of a root.
 const MOST_ITERATIONS: u32 = 60;
@@ -157,7 +157,7 @@ impl Family for Beside<'_> {
 
 /// The ray that sweeps as much as is wanted, between two bounds of its number and from a guess.
 ///
-/// Where two places before tell the slope well enough, the last is not integrated.
+/// If two places before tell the slope well enough, the last is not integrated.
 #[inline(always)]
 fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Family) -> Option<Track> {
     let mut at = guess.clamp(low, high);

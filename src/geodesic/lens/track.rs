@@ -13,7 +13,7 @@ pub(super) struct Track {
     pub(super) b: f64,
     /// Cosine and sine of the angle between the radius and the direction of travel, at the start.
     pub(super) start: [f64; 2],
-    /// The same at the end.
+    /// Cosine and sine of that angle at the end.
     pub(super) end: [f64; 2],
     /// R.
     pub(super) rate: f64,

@@ -79,7 +79,7 @@ struct Leaf {
     emitter: u32,
 }
 
-/// What all nodes are made from.
+/// Source of all nodes.
 struct Builder<E> {
     emission: E,
     /// Greatest power.

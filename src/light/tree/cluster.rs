@@ -15,7 +15,7 @@ pub struct Cluster {
     pub max: DVec3,
     /// Power relative to the brightest emitter's.
     pub power: f64,
-    /// Where it shines.
+    /// Directions into which it shines.
     pub cone: Cone,
 }
 

@@ -15,7 +15,7 @@ pub struct Cone {
     pub normals: f64,
     /// Half-angle around each normal into which light goes, radians in [0, π/2].
     pub emission: f64,
-    /// Whether the same holds for the opposite axis.
+    /// True if light goes around the opposite axis alike.
     pub both_sides: bool,
 }
 

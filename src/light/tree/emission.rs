@@ -18,6 +18,6 @@ pub struct Emission {
     /// Cosine of the half-angle around each normal into which it emits, in [0, 1]; 0: a hemisphere, as of a Lambertian
     /// emitter.
     pub cos_emission: f64,
-    /// Whether it emits against its normals as well.
+    /// True if it emits against its normals as well.
     pub both_sides: bool,
 }

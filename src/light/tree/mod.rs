@@ -75,7 +75,7 @@ impl Tree {
         probability
     }
 
-    /// Whether no emitter has power.
+    /// True if no emitter has power.
     pub fn is_empty(&self) -> bool {
         self.root.is_none()
     }

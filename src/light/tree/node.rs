@@ -18,12 +18,12 @@ pub struct Node {
     cos_emission: f32,
     /// Relative to the brightest emitter's, positive.
     power: f32,
-    /// What it stands for.
+    /// Emitters below it.
     pub subtree: Subtree,
     both_sides: bool,
 }
 
-/// What a node stands for.
+/// Emitters below a node.
 #[derive(Clone, Copy)]
 pub enum Subtree {
     /// One emitter, by index.
@@ -32,7 +32,7 @@ pub enum Subtree {
     Pair(u32),
 }
 
-/// Where light is wanted, relative to the tree's origin.
+/// Receiver of light, relative to the tree's origin.
 pub struct LocalReceiver {
     /// Position.
     pub x: DVec3,
