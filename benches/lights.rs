@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Emission, Lensed, Lights, Receiver, Sight, Straight, Tree};
+use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, Straight, Tree};
 use warpfront::scene::{self, Baked};
 use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::transport::Outcome;
@@ -84,31 +84,31 @@ fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3
     shoot(scene, &rays).iter().filter_map(|shot| landing(shot.end)).collect()
 }
 
-/// Proposes directions to the lamp with the rays of a sight, which the scene's spacetime decides.
-fn propose(bencher: Bencher, sight: impl FnOnce(SpacetimeKind) -> Box<dyn Sight>) {
+/// Proposes directions to the lamp with an aim, which the scene's spacetime decides.
+fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind) -> S) {
     let scene = scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE), &[]).expect(SCENE);
     let mut random = random();
-    let sight = sight(scene.spacetime);
+    let sampler = sampler(scene.spacetime);
     let lights = Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, 0.0);
     let places = landings(&scene, &mut random);
     let numbers: Vec<[f64; 4]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {
         for (&(position, normal, on), &u) in places.iter().zip(&numbers) {
-            let receiver = Receiver { place: sight.place(black_box(position)), normal, on };
-            black_box(lights.sample(sight.as_ref(), &receiver, u));
+            let receiver = Receiver { position: black_box(position), normal, on };
+            black_box(sampler.sample(&lights, &receiver, u));
         }
     });
 }
 
 #[divan::bench]
 fn propose_along_lines(bencher: Bencher) {
-    propose(bencher, |_| Box::new(Straight));
+    propose(bencher, |_| Straight);
 }
 
 #[divan::bench]
 fn propose_along_geodesics(bencher: Bencher) {
     propose(bencher, |spacetime| {
         let (center, metric) = spacetime.medium().expect(SCENE);
-        Box::new(Lensed::new(metric, center, 1).expect("a photon sphere"))
+        Lensed::new(metric, center, 1).expect("a photon sphere")
     });
 }

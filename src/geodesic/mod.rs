@@ -15,7 +15,6 @@ mod rkn4;
 mod rkn6;
 mod stepper;
 mod time;
-mod travel_time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};

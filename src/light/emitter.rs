@@ -4,7 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
-use super::{Emission, Receiver};
+use super::aim::Approach;
+use super::receiver::Receiver;
+use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
 use crate::math::frame::tangents;
 use crate::math::turn;
@@ -18,11 +20,11 @@ pub struct Emitter {
     pub form: Form,
     /// Emitted radiance.
     pub radiance: Vec3,
-    /// Whether its back emits, too.
+    /// True if its back emits, too.
     pub both_sides: bool,
 }
 
-/// Where on an emitter points are chosen.
+/// Part of an emitter on which points are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// Everywhere.
@@ -46,7 +48,7 @@ impl Cap {
         Self { axis, height: 2.0 * libm::sin(0.5 * angle).powi(2) }
     }
 
-    /// Whether a point with this unit normal lies on it.
+    /// True if a point with this unit normal lies on it.
     pub fn holds(&self, normal: DVec3) -> bool {
         0.5 * normal.distance_squared(self.axis) <= self.height
     }
@@ -74,23 +76,16 @@ pub struct Spot {
     pub density: f64,
 }
 
-/// Where an emitter is looked at from.
+/// View of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
     /// From where any of its points may be seen: from inside a sphere, or from itself.
     Everywhere,
-    /// From outside.
-    Outside {
-        /// Distance of the onlooker from the middle, scene units.
-        distance: f64,
-        /// Unit direction in which light is followed to the middle of the emitter.
-        direction: DVec3,
-        /// Whether that direction is exact; a guess misses parts of what can be seen.
-        is_exact: bool,
-    },
+    /// From outside, along a ray that ends in the middle.
+    Outside(Approach),
 }
 
-/// Where a place is, relative to an emitter.
+/// Side of an emitter on which a place is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standpoint {
     /// Inside the sphere that the emitter is, or on its inner side.
@@ -103,7 +98,7 @@ pub enum Standpoint {
 
 /// How near a sphere a place lies on it, relative to the radius: what coincides with the sphere does so but for rounding.
 const ON: f64 = 1e-9;
-/// Share of points spread evenly over a sphere of which only a guess says which side is seen.
+/// Share of points chosen evenly over a sphere if the view is an estimate.
 const EVEN: f64 = 0.1;
 
 impl Emitter {
@@ -124,16 +119,16 @@ impl Emitter {
         }
     }
 
-    /// Whether points depend on the view.
+    /// True if points depend on the view.
     pub fn needs_view(&self) -> bool {
         matches!(self.form, Form::Whole(Shape::Sphere(_)))
     }
 
-    /// Where a receiver is. Which side of a sphere it is on is decided here alone, and for what lies on the sphere by the
+    /// Side on which a receiver is. For a sphere it is decided here alone, and for what lies on the sphere by the
     /// side that it looks to: its distance from the centre is the radius but for rounding.
     pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
         let Some(sphere) = self.sphere() else { return Standpoint::Apart };
-        let from = receiver.place.position - sphere.center;
+        let from = receiver.position - sphere.center;
         let excess = from.length_squared() / (sphere.radius * sphere.radius) - 1.0;
         if receiver.on != self.primitive && excess.abs() > ON {
             return if excess > 0.0 { Standpoint::Apart } else { Standpoint::Inside };
@@ -141,7 +136,7 @@ impl Emitter {
         if receiver.normal.dot(from) > 0.0 { Standpoint::Upon } else { Standpoint::Inside }
     }
 
-    /// Whether light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
+    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
     /// and of a sphere from the side on which the place is.
     pub fn is_lit_by(&self, cos: f64, standpoint: Standpoint) -> bool {
         let is_front = match self.sphere() {
@@ -185,7 +180,7 @@ impl Emitter {
         }
     }
 
-    /// What the light tree is to know.
+    /// Bounds, power and orientation cone for the light tree.
     pub fn emission(&self) -> Emission {
         let (min, max, area) = match self.form {
             Form::Cap(sphere, cap) => {
@@ -233,14 +228,14 @@ struct Cone {
     height: f64,
     /// Unit direction to the middle.
     direction: DVec3,
-    /// Share of points spread evenly over the sphere.
+    /// Share of points chosen evenly over the sphere.
     even: f64,
 }
 
 impl Cone {
     /// `None` where any point may be seen.
     fn of(sphere: &Sphere, view: &View) -> Option<Self> {
-        let View::Outside { distance, direction, is_exact } = *view else { return None };
+        let View::Outside(Approach { distance, direction, is_exact }) = *view else { return None };
         let k = distance / sphere.radius;
         let excess = ((distance - sphere.radius) / sphere.radius) * (k + 1.0);
         let height = 1.0 / (k * (k + excess.sqrt()));

@@ -65,7 +65,7 @@ struct Leaf {
 struct Lobe {
     /// Share of the leaf's light.
     weight: f64,
-    /// Where the fit is centred.
+    /// Centre of the fit.
     origin: DVec3,
     /// Unit vectors in the surface.
     across: [DVec3; 2],
@@ -97,29 +97,30 @@ const SHARES: (f64, f64) = (0.05, 0.6);
 const CAUTION: f64 = 1.5;
 
 impl Guide {
-    /// What `photons` tell; `None` if none came through mirrors or glass.
+    /// Learns from `photons`; `None` if none came through mirrors or glass.
     pub fn new(photons: &[Photon]) -> Option<Self> {
-        let mut bent: Vec<Photon> = photons.iter().filter(|photon| photon.way.is_some()).copied().collect();
-        if bent.is_empty() {
+        let mut specular: Vec<Photon> =
+            photons.iter().filter(|photon| photon.way.is_some()).copied().collect();
+        if specular.is_empty() {
             return None;
         }
         let mut guide = Self::default();
         let mut counts = Vec::new();
-        guide.split(&mut bent, &mut counts);
+        guide.split(&mut specular, &mut counts);
         let mut direct = vec![0usize; guide.leaves.len()];
         for photon in photons.iter().filter(|photon| photon.way.is_none()) {
             if let Some(leaf) = guide.leaf_index(photon.position) {
                 direct[leaf] += 1;
             }
         }
-        for ((leaf, bent), direct) in guide.leaves.iter_mut().zip(counts).zip(direct) {
-            let bent = CAUTION * bent as f64;
-            leaf.share = (bent / (bent + direct as f64)).clamp(SHARES.0, SHARES.1);
+        for ((leaf, specular), direct) in guide.leaves.iter_mut().zip(counts).zip(direct) {
+            let specular = CAUTION * specular as f64;
+            leaf.share = (specular / (specular + direct as f64)).clamp(SHARES.0, SHARES.1);
         }
         Some(guide)
     }
 
-    /// What is known around `x`; `None` if no photon landed near it.
+    /// Neighbourhood of `x`; `None` if no photon landed near it.
     pub fn around(&self, x: DVec3) -> Option<Neighbourhood<'_>> {
         let leaf = self.leaves[self.leaf_index(x)?];
         let lobes = &self.lobes[leaf.first as usize..][..leaf.count as usize];
@@ -239,13 +240,13 @@ impl Lobe {
         if points.len() >= FEWEST_TO_FIT {
             lobe.gradient = slope(&points, lobe.middle);
         }
-        let mut spread = DMat2::ZERO;
+        let mut scatter = DMat2::ZERO;
         for (p, y) in &points {
             let off = y - lobe.middle - lobe.gradient * p;
-            spread += DMat2::from_cols(off.x * off, off.y * off);
+            scatter += DMat2::from_cols(off.x * off, off.y * off);
         }
         let freedom = if points.len() >= FEWEST_TO_FIT { used - 3.0 } else { used - 1.0 };
-        lobe.shape = root(spread * (SIZE * SIZE / freedom), SMALLEST);
+        lobe.shape = root(scatter * (SIZE * SIZE / freedom), SMALLEST);
         Some(lobe)
     }
 

@@ -1,13 +1,13 @@
-//! Lights without extent: points, spots, and points at infinity.
+//! Punctual lights: points, spots, and points at infinity.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
-use super::Emission;
 use super::emitter::luminance;
+use super::tree::Emission;
 
-/// A light without extent, world space.
+/// A punctual light, world space.
 ///
 /// Intensities are radiant: linear RGB, radiance × scene units². Irradiance is radiance × steradian.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ impl Punctual {
         }
     }
 
-    /// Where it is; `None` at infinity.
+    /// Position; `None` at infinity.
     pub fn position(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position, .. } | Self::Spot { position, .. } => Some(position),
@@ -72,7 +72,7 @@ impl Punctual {
         }
     }
 
-    /// What the light tree is to know; `None` of a light at infinity.
+    /// Bounds, power and orientation cone for the light tree; `None` of a light at infinity.
     pub fn emission(&self) -> Option<Emission> {
         // A point shines as a small sphere does, a spot into the cone around its axis.
         let (position, axis, cos_normals, cos_emission, angle) = match *self {
@@ -94,7 +94,7 @@ impl Punctual {
         }
     }
 
-    /// Whether there is any light at all.
+    /// True if there is any light at all.
     pub fn emits(&self) -> bool {
         self.peak() != Vec3::ZERO
     }

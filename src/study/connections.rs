@@ -193,7 +193,7 @@ fn joint(
     let [at_x, at_y] = [x, y].map(|point| lens.site(metric, point / unit));
     let found = lens.connect(&at_x, &at_y, winding)?;
     let time = unit * lens.time(&at_x, &at_y, &found);
-    let Connection { direction, arrival, swept, b, spread, swing, .. } = found;
+    let Connection { direction, arrival, swept, b, geometry_factor: spread, swing, .. } = found;
     let [w_x, w_y] = [x, y].map(|point| unit / point.length());
     let lapses = [w_x, w_y].map(|w| metric.lapse(w));
     // Proper length over coordinate length is Ψ = n N.

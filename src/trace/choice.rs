@@ -48,7 +48,7 @@ impl<E: Errand> SpacetimeVisitor for Choice<'_, E> {
     fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> E::Output {
         let Self { scene, core, sky, errand } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-        // Nothing tells a light ray that it has passed a light without extent which it was not followed to.
+        // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
         let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
         let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
         let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };

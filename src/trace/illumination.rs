@@ -1,11 +1,12 @@
-//! Light sampling as a scene asks for it: its lights, the rays to them, and how found light is shared.
+//! Light sampling as a scene asks for it: its lights, the aim at them, and how found light is shared.
 
 use glam::{DVec3, Vec3};
 
-use super::transport::Landing;
+use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
-    Guide, Heuristic, Incoming, Lensed, LightSample, Lights, Neighbourhood, Receiver, Sight, Straight, Target,
+    EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
+    Straight, Target,
 };
 use crate::scene::{Baked, LightSampling};
 
@@ -13,8 +14,8 @@ use crate::scene::{Baked, LightSampling};
 pub struct Illumination {
     /// The lights.
     pub lights: Lights,
-    /// The rays to them.
-    pub sight: Box<dyn Sight>,
+    /// Sampling with the aim of the scene's transport, or a straight one on request.
+    sampler: Box<dyn LightSampler>,
     /// Directions of light through mirrors and glass, once they are learned.
     pub guide: Option<Guide>,
     /// How light is shared; `None`: all of it belongs to light sampling, as in the paper, and nothing is learned.
@@ -29,7 +30,7 @@ const FLOOR: f64 = 0.1;
 pub struct LightSummary {
     /// Surfaces that emit.
     pub surfaces: usize,
-    /// Lights without extent.
+    /// Punctual lights.
     pub punctual: usize,
     /// Whether directions of the sky are sampled.
     pub sky: bool,
@@ -43,8 +44,8 @@ pub fn has_specular(scene: &Baked) -> bool {
 }
 
 impl Illumination {
-    /// Light sampling for `scene`; `None` where it is off or of no use.
-    pub fn of(scene: &Baked) -> Option<Self> {
+    /// Light sampling for `scene` along the rays of `transport`; `None` where it is off or of no use.
+    pub fn of<T: Transport>(scene: &Baked, transport: &T) -> Option<Self> {
         let settings = &scene.settings;
         let is_lit =
             scene.materials.iter().any(|material| material.spreads_light()) && settings.max_depth > 1;
@@ -52,17 +53,13 @@ impl Illumination {
             return None;
         }
         let straight = settings.light_sampling == LightSampling::Straight;
-        let sight: Box<dyn Sight> = match scene.spacetime.medium() {
-            Some((center, metric)) if !straight => {
-                Box::new(Lensed::new(metric, center, settings.max_winding)?)
-            }
-            _ => Box::new(Straight),
-        };
+        let sampler: Box<dyn LightSampler> =
+            if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
         let floor = if scene.spacetime.is_flat() { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
         let heuristic = (!straight).then_some(settings.heuristic);
-        (!lights.is_empty()).then_some(Self { lights, sight, guide: None, heuristic })
+        (!lights.is_empty()).then_some(Self { lights, sampler, guide: None, heuristic })
     }
 
     /// What it will do for `scene`, which it is of.
@@ -87,14 +84,14 @@ impl Illumination {
         let near = self.near(receiver);
         let bent = near.map_or(0.0, |near| near.share);
         if choice < bent {
-            let (direction, density) = near?.sample(receiver.place.position, [choice / bent, v, w])?;
+            let (direction, density) = near?.sample(receiver.position, [choice / bent, v, w])?;
             let light = Incoming::Radiance(Vec3::ONE, bent * density);
-            return Some(LightSample { direction, target: Target::Bent, light });
+            return Some(LightSample { direction, target: Target::ThroughSpecular, light });
         }
         let direct = 1.0 - bent;
         let numbers = [(choice - bent) / direct, u, v, w];
         let LightSample { direction, target, light } =
-            self.lights.sample(self.sight.as_ref(), receiver, numbers)?;
+            self.sampler.sample(&self.lights, receiver, numbers)?;
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
             Incoming::Sky(at_infinity, density) => Incoming::Sky(at_infinity, direct * density),
@@ -106,27 +103,33 @@ impl Illumination {
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
     /// normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
-        let receiver =
-            Receiver { place: self.sight.place(vertex.position), normal: vertex.normal, on: vertex.leaves };
+        let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.leaves };
         let near = self.near(&receiver);
         if vertex.is_bent {
             let density = |near: Neighbourhood| near.share * near.density(vertex.position, vertex.direction);
             return near.map_or(0.0, density);
         }
-        let (sight, out) = (self.sight.as_ref(), vertex.direction);
+        let (lights, out) = (&self.lights, vertex.direction);
         let density = match surface {
             Some((landing, normal)) => {
-                let place = (landing.primitive, landing.position, normal, direction);
-                self.lights.surface_density(sight, &receiver, out, place)
+                let Landing { primitive, position, .. } = *landing;
+                let hit = EmitterHit { primitive, position, normal, arrival: direction };
+                self.sampler.surface_density(lights, &receiver, out, &hit)
             }
-            None => self.lights.sky_density(sight, &receiver, out, direction),
+            None => self.sampler.sky_density(lights, &receiver, out, direction),
         };
         (1.0 - near.map_or(0.0, |near| near.share)) * density
     }
 
     /// What is known of light through mirrors and glass at a receiver.
     fn near(&self, receiver: &Receiver) -> Option<Neighbourhood<'_>> {
-        self.guide.as_ref()?.around(receiver.place.position)
+        self.guide.as_ref()?.around(receiver.position)
+    }
+
+    /// True if a light ray that lands has reached its target.
+    #[inline]
+    pub fn reaches(&self, target: Target, landing: &Landing) -> bool {
+        self.sampler.reaches(target, landing.primitive, landing.position)
     }
 
     /// Share of a light sample of density `sampled` that a surface would find with density `found`.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
+use crate::light::Lensed;
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
@@ -133,12 +134,17 @@ impl Kernel for Asking {
     }
 }
 
-impl<M: ConformallyFlat> Transport for PaperMarch<M> {
+impl<M: ConformallyFlat + 'static> Transport for PaperMarch<M> {
     type Flight = PaperFlight;
     type Move = PaperMove;
     type Segment = Line;
     type Scratch = ();
     type Carried = ();
+    type Aim = Lensed<M>;
+
+    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
+        Lensed::new(self.medium, self.center, max_winding)
+    }
 
     fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> PaperFlight {
         let x = position - self.center;

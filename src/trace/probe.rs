@@ -178,7 +178,7 @@ impl<T: Transport> Turns<'_, T> {
 /// Learns what there is to learn of the lights, from fewer photons than a render; the seconds that it takes a render.
 fn learn<T: Transport>(job: &mut Job, transport: &T) -> f64 {
     let started = Instant::now();
-    let Some(mut illumination) = Illumination::of(job.scene) else { return 0.0 };
+    let Some(mut illumination) = Illumination::of(job.scene, transport) else { return 0.0 };
     visible_caps::learn(job, transport, &mut illumination);
     let before = started.elapsed().as_secs_f64();
     let photons = photons::count(job.settings);

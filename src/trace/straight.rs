@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
+use crate::light;
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 
@@ -65,6 +66,11 @@ impl Transport for Straight {
     type Segment = Line;
     type Scratch = ();
     type Carried = ();
+    type Aim = light::Straight;
+
+    fn aim(&self, _: u32) -> Option<light::Straight> {
+        Some(light::Straight)
+    }
 
     #[inline(always)]
     fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> StraightFlight {

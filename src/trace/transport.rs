@@ -9,6 +9,7 @@ use std::fmt::Debug;
 use glam::DVec3;
 
 use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
+use crate::light::Aim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 
@@ -98,6 +99,11 @@ pub trait Transport: Sync + Sized {
     /// there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither memory nor time. Rays of
     /// the camera and of lamps start with the default.
     type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
+    /// Aim of light samples along these rays.
+    type Aim: Aim + 'static;
+
+    /// The aim, with winding numbers up to `max_winding`; `None` if it finds no rays in this spacetime.
+    fn aim(&self, max_winding: u32) -> Option<Self::Aim>;
 
     /// A ray that starts.
     fn launch(&self, start: &Start<Self::Carried>) -> Self::Flight;

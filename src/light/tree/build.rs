@@ -3,8 +3,11 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::Tree;
+use super::cluster::Cluster;
 use super::cone::Cone;
-use super::{Emission, Link, Node, Tree};
+use super::emission::Emission;
+use super::node::{Node, Subtree};
 
 /// Levels below the root, at most: a trail holds one bit for each and one that ends it.
 const DEEPEST: u32 = u64::BITS - 1;
@@ -45,7 +48,7 @@ impl Tree {
             .collect();
         let builder = Builder { emission, brightest, origin: tree.origin };
         // Every place is overwritten: a binary tree of n leaves has n − 1 pairs of children.
-        let placeholder = Node::new(&builder.cluster(&leaves[0]), tree.origin, Link::Emitter(0));
+        let placeholder = Node::new(&builder.cluster(&leaves[0]), tree.origin, Subtree::Emitter(0));
         tree.nodes = vec![placeholder; 2 * leaves.len() - 2];
         let (root, _) = builder.grow(&mut leaves, &mut tree.nodes, 0, 0);
         tree.root = Some(root);
@@ -54,49 +57,18 @@ impl Tree {
     }
 
     /// Writes down the way to every leaf.
-    fn lay_trails(&mut self, root: Link) {
+    fn lay_trails(&mut self, root: Subtree) {
         let mut pending = vec![(root, 0, 0)];
-        while let Some((link, way, depth)) = pending.pop() {
-            match link {
-                Link::Emitter(emitter) => self.trails[emitter as usize] = way | 1 << depth,
-                Link::Pair(first) => {
-                    let child = |right: u32| self.nodes[(first + right) as usize].link;
+        while let Some((subtree, way, depth)) = pending.pop() {
+            match subtree {
+                Subtree::Emitter(emitter) => self.trails[emitter as usize] = way | 1 << depth,
+                Subtree::Pair(first) => {
+                    let child = |right: u32| self.nodes[(first + right) as usize].subtree;
                     pending.push((child(0), way, depth + 1));
                     pending.push((child(1), way | 1 << depth, depth + 1));
                 }
             }
         }
-    }
-}
-
-/// Emitters seen as one.
-#[derive(Clone, Copy)]
-pub struct Cluster {
-    /// World bounds.
-    pub min: DVec3,
-    /// World bounds.
-    pub max: DVec3,
-    /// Power relative to the brightest emitter's.
-    pub power: f64,
-    /// Where it shines.
-    pub cone: Cone,
-}
-
-impl Cluster {
-    fn union(self, other: Cluster) -> Cluster {
-        Cluster {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-            power: self.power + other.power,
-            cone: self.cone.union(other.cone),
-        }
-    }
-
-    /// How often it is in doubt, times what is at stake: the surface-area-orientation heuristic of \[C\], with
-    /// the area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters
-    /// in a row has no area.)
-    fn cost(&self) -> f64 {
-        self.power * self.min.distance_squared(self.max) * self.cone.measure()
     }
 }
 
@@ -107,7 +79,7 @@ struct Leaf {
     emitter: u32,
 }
 
-/// What all nodes are made from.
+/// Source of all nodes.
 struct Builder<E> {
     emission: E,
     /// Greatest power.
@@ -124,9 +96,9 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
 
     /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first its
     /// two children, then what is below each.
-    fn grow(&self, leaves: &mut [Leaf], nodes: &mut [Node], at: u32, depth: u32) -> (Link, Cluster) {
+    fn grow(&self, leaves: &mut [Leaf], nodes: &mut [Node], at: u32, depth: u32) -> (Subtree, Cluster) {
         if let [leaf] = leaves {
-            return (Link::Emitter(leaf.emitter), self.cluster(leaf));
+            return (Subtree::Emitter(leaf.emitter), self.cluster(leaf));
         }
         let count = leaves.len();
         let cut = self.split(leaves, depth);
@@ -138,10 +110,10 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
         let mut grow_right = || self.grow(right, below_right, at_right, depth + 1);
         let (left, right) =
             if count > MANY { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
-        for (node, (link, cluster)) in pair.iter_mut().zip([left, right]) {
-            *node = Node::new(&cluster, self.origin, link);
+        for (node, (subtree, cluster)) in pair.iter_mut().zip([left, right]) {
+            *node = Node::new(&cluster, self.origin, subtree);
         }
-        (Link::Pair(at), left.1.union(right.1))
+        (Subtree::Pair(at), left.1.union(right.1))
     }
 
     /// Puts at least two leaves in two parts, neither empty; how many are in the first.

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use super::Emission;
+use super::emission::Emission;
 
 /// The directions into which a cluster of emitters shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Cone {
     pub normals: f64,
     /// Half-angle around each normal into which light goes, radians in [0, π/2].
     pub emission: f64,
-    /// Whether the same holds for the opposite axis.
+    /// True if light goes around the opposite axis alike.
     pub both_sides: bool,
 }
 

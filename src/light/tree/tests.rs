@@ -112,13 +112,13 @@ fn probabilities(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> Vec<f64> {
 fn loss(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> f64 {
     let receiver = tree.receiver(x, normal);
     let mut lost = 0.0;
-    let mut pending: Vec<(Link, f64)> = tree.root.map(|root| (root, 1.0)).into_iter().collect();
-    while let Some((link, probability)) = pending.pop() {
-        let Link::Pair(first) = link else { continue };
+    let mut pending: Vec<(Subtree, f64)> = tree.root.map(|root| (root, 1.0)).into_iter().collect();
+    while let Some((subtree, probability)) = pending.pop() {
+        let Subtree::Pair(first) = subtree else { continue };
         match tree.chances(first, &receiver) {
             None => lost += probability,
             Some(chances) => pending
-                .extend((0..2).map(|i| (tree.nodes[first as usize + i].link, probability * chances[i]))),
+                .extend((0..2).map(|i| (tree.nodes[first as usize + i].subtree, probability * chances[i]))),
         }
     }
     lost
@@ -385,12 +385,12 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
         assert_eq!(trails.len(), all.len());
         assert_eq!(tree.nodes.len(), 2 * all.len() - 2);
         for (emitter, &trail) in tree.trails.iter().enumerate().step_by(97) {
-            let (mut link, mut trail) = (tree.root.expect("there are emitters"), trail);
-            while let Link::Pair(first) = link {
-                link = tree.nodes[first as usize + (trail & 1) as usize].link;
+            let (mut subtree, mut trail) = (tree.root.expect("there are emitters"), trail);
+            while let Subtree::Pair(first) = subtree {
+                subtree = tree.nodes[first as usize + (trail & 1) as usize].subtree;
                 trail >>= 1;
             }
-            assert!(matches!((link, trail), (Link::Emitter(found), 1) if found as usize == emitter));
+            assert!(matches!((subtree, trail), (Subtree::Emitter(found), 1) if found as usize == emitter));
         }
     }
 }

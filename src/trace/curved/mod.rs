@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, Control, End, Phase, PlaneArc};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
+use crate::light::Lensed;
 use crate::math::columns::{Columns, Field, LANES, Row, columns, plain_field};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::math::real::Real;
@@ -285,12 +286,17 @@ pub struct Scratch<R: Lane> {
     touches: Touches,
 }
 
-impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
+impl<M: ConformallyFlat + 'static, R: Lane> Transport for Curved<M, R> {
     type Flight = CurvedFlight<R>;
     type Move = CurvedMove<R>;
     type Segment = Arc;
     type Scratch = Scratch<R>;
     type Carried = ();
+    type Aim = Lensed<M>;
+
+    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
+        Lensed::new(self.medium, self.center, max_winding)
+    }
 
     fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> CurvedFlight<R> {
         Launching::of(self).run(&Place { position, direction, leaves }, &())

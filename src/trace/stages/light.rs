@@ -26,7 +26,7 @@ pub struct LightRay {
 
 /// Least probability of a light ray.
 const LEAST_CHANCE: f64 = 0.1;
-/// How far from a light without extent a ray may pass that was aimed at it, relative to the move.
+/// How far from a punctual light a ray may pass that was aimed at it, relative to the move.
 const NEAR: f64 = 1e-3;
 
 /// The probability with which a path sends out a light ray: where it carries little, few are worth their time.
@@ -54,14 +54,11 @@ pub fn propose(
         return None;
     }
     numbers[0] /= chance;
-    let receiver = Receiver {
-        place: illumination.sight.place(landing.position),
-        normal: incidence.facing().0,
-        on: landing.primitive,
-    };
+    let receiver =
+        Receiver { position: landing.position, normal: incidence.facing().0, on: landing.primitive };
     let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
-    // What is 0/0 where images merge is 0: the surface finds it.
+    // On caustics (merging images) weight and density are both 0; BSDF sampling covers it.
     let shared = |radiance: Vec3, density: f64| {
         let density = chance * density;
         let share = illumination.share_of_sample(density, found) / density;
@@ -109,10 +106,10 @@ pub fn settle<T: Transport>(
 /// Whether it matters where exactly a light ray lands: where it goes on from there.
 #[inline]
 pub fn lands_exactly(vertex: &Vertex) -> bool {
-    vertex.target == Target::Bent
+    vertex.target == Target::ThroughSpecular
 }
 
-/// Whether a light ray passes the light without extent that it is aimed at.
+/// Whether a light ray passes the punctual light that it is aimed at.
 #[inline]
 pub fn passes_its_light<T: Transport>(
     illumination: &Illumination,
@@ -132,12 +129,12 @@ pub fn conclude<Flight>(
     vertex: &Vertex,
     outcome: Outcome<Flight>,
 ) -> Progress<Flight> {
-    let is_bent = vertex.target == Target::Bent;
+    let is_bent = vertex.target == Target::ThroughSpecular;
     match outcome {
         Outcome::Flying(next) => Progress::Flying(next),
         Outcome::Landed(landing) if is_bent => Progress::Landed(landing),
         Outcome::Escaped(direction) if is_bent => Progress::Escaped(direction),
-        Outcome::Landed(landing) => Progress::Ended(is_met(illumination, vertex.target, &landing)),
+        Outcome::Landed(landing) => Progress::Ended(illumination.reaches(vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(_) => Progress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_))),
         Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Progress::Ended(false),
@@ -189,12 +186,6 @@ fn passes<T: Transport>(
     let s = course.parameter_beside(point);
     course.point(s).distance(point) <= NEAR * chord.start.distance(chord.end)
         && found.is_none_or(|found| course.parameter_beside(found.point) > s)
-}
-
-/// Whether a landing is where the ray was aimed at.
-fn is_met(illumination: &Illumination, target: Target, landing: &Landing) -> bool {
-    let Target::Surface(primitive, position) = target else { return false };
-    landing.primitive == primitive && illumination.sight.is_there(position, landing.position)
 }
 
 /// The share that light sampling leaves of light that the last bounce found: from a surface, or at infinity in

@@ -9,15 +9,15 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 use warpfront::film::Aov;
 use warpfront::geometry::{Disk, PrimitiveId, Shape, Sphere};
 use warpfront::light::{
-    Cap, Emission, Emitter, Form, Guide, Incoming, Lensed, Lights, Photon, Receiver, Sight, Sky, Straight,
-    Target, Tree, View,
+    Approach, Cap, Emission, Emitter, EmitterHit, Form, Guide, Incoming, Lensed, LightSampler, Lights,
+    Photon, Receiver, Sky, Straight, Target, Tree, View,
 };
 use warpfront::scene::Baked;
 use warpfront::shade::dielectric::fresnel;
 use warpfront::shade::{
     Crossing, Environment, Incidence, LatLong, Lobe, Material, Media, Sampler, evaluate, scatter,
 };
-use warpfront::trace::transport::Outcome;
+use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
 
 /// Samples of a test.
@@ -113,7 +113,7 @@ fn around(form: &Form, view: &View) -> Directions {
         (Form::Cap(_, cap), _) => {
             Directions { reach: libm::sin(0.5 * CAP).powi(2), ..Directions::even(cap.axis) }
         }
-        (Form::Whole(Shape::Sphere(ball)), View::Outside { direction, distance, .. }) => {
+        (Form::Whole(Shape::Sphere(ball)), View::Outside(Approach { direction, distance, .. })) => {
             // From close by, most of what is seen is close by.
             let excess = distance / ball.radius - 1.0;
             Directions { near: 0.25 * excess * excess, ..Directions::even(-direction) }
@@ -180,7 +180,7 @@ fn points_of_emitters_have_the_density_that_is_said_of_them() {
             .add(format!("sphere from inside {number}"), of_emitter(whole, &View::Everywhere, &mut random));
         for is_exact in [true, false] {
             let distance = radius * (1.0 + random.log_between(1e-2, 1e2));
-            let view = View::Outside { distance, direction: random.direction(), is_exact };
+            let view = View::Outside(Approach { distance, direction: random.direction(), is_exact });
             let what = format!("sphere from outside {number}, at {distance} of {radius}, exact {is_exact}");
             verdict.add(what, of_emitter(whole, &view, &mut random));
         }
@@ -409,7 +409,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
     let (mut random, mut verdict) = (Random::new(7), Verdict::default());
     for r_s in [0.0, 0.6] {
         let scene = lit_scene(&mut random, r_s);
-        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime.medium() {
+        let (sampler, floor): (Box<dyn LightSampler>, f64) = match scene.spacetime.medium() {
             Some((center, metric)) => (Box::new(Lensed::new(metric, center, 1).unwrap()), 0.1),
             None => (Box::new(Straight), 0.0),
         };
@@ -418,20 +418,20 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let floor = geometry.shapes(|_| true).into_iter().rev();
         let on = floor.map(|(primitive, ..)| primitive).next().unwrap();
         let position = DVec3::new(0.4, 0.0, 0.3);
-        let receiver = Receiver { place: sight.place(position), normal: DVec3::Y, on };
+        let receiver = Receiver { position, normal: DVec3::Y, on };
         let follow = |directions: Vec<DVec3>| {
             let ray = |direction| Ray { position, direction, leaves: on };
             shoot(&scene, &directions.into_iter().map(ray).collect::<Vec<_>>())
         };
         let chosen: Vec<_> =
-            (0..COUNT).map(|_| lights.sample(sight.as_ref(), &receiver, numbers(&mut random))).collect();
+            (0..COUNT).map(|_| sampler.sample(&lights, &receiver, numbers(&mut random))).collect();
         let directions = chosen.iter().map(|sample| sample.map_or(DVec3::Y, |sample| sample.direction));
         let samples = chosen.iter().zip(follow(directions.collect())).map(|(sample, shot)| {
             let sample = sample.as_ref()?;
             assert!(matches!(sample.light, Incoming::Radiance(..) | Incoming::Sky(..)));
             let met = match (sample.target, shot.end) {
-                (Target::Surface(primitive, at), Outcome::Landed(landing)) => {
-                    landing.primitive == primitive && sight.is_there(at, landing.position)
+                (target, Outcome::Landed(landing)) => {
+                    sampler.reaches(target, landing.primitive, landing.position)
                 }
                 (Target::Infinity, Outcome::Escaped(_)) => true,
                 _ => false,
@@ -443,10 +443,11 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let density = |direction: DVec3, end: &Outcome<_>| match end {
             Outcome::Landed(landing) => {
                 let front = geometry.surface_point(landing.primitive, landing.position).normal;
-                let end = (landing.primitive, landing.position, front, landing.direction);
-                lights.surface_density(sight.as_ref(), &receiver, direction, end)
+                let Landing { primitive, position, direction: arrival } = *landing;
+                let hit = EmitterHit { primitive, position, normal: front, arrival };
+                sampler.surface_density(&lights, &receiver, direction, &hit)
             }
-            Outcome::Escaped(to) => lights.sky_density(sight.as_ref(), &receiver, direction, *to),
+            Outcome::Escaped(to) => sampler.sky_density(&lights, &receiver, direction, *to),
             _ => 0.0,
         };
         // Where rays end is found for all places of all cells at once.

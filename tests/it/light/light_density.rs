@@ -6,7 +6,7 @@ use crate::support::lit::{TWISTS, room};
 use crate::support::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Incoming, Lensed, Lights, Receiver, Sight, Straight, Target};
+use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, Straight, Target};
 use warpfront::scene::Baked;
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
@@ -15,20 +15,21 @@ use warpfront::trace::{Ray, shoot};
 struct Lit {
     scene: Baked,
     lights: Lights,
-    sight: Box<dyn Sight>,
+    sampler: Box<dyn LightSampler>,
+    max_winding: u32,
 }
 
 impl Lit {
     fn new(mut scene: Baked, max_winding: u32) -> Self {
         // Far below what is asked for.
         scene.settings.tolerance = 1e-9;
-        let (sight, floor): (Box<dyn Sight>, f64) = match scene.spacetime.medium() {
+        let (sampler, floor): (Box<dyn LightSampler>, f64) = match scene.spacetime.medium() {
             Some((center, metric)) => (Box::new(Lensed::new(metric, center, max_winding).unwrap()), 0.1),
             None => (Box::new(Straight), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);
-        Self { scene, lights, sight }
+        Self { scene, lights, sampler, max_winding }
     }
 
     /// Points on surfaces, as paths find them.
@@ -41,7 +42,7 @@ impl Lit {
                 let normal = self.normal(&landing);
                 let normal = normal * -landing.direction.dot(normal).signum();
                 let on = landing.primitive;
-                let receiver = Receiver { place: self.sight.place(landing.position), normal, on };
+                let receiver = Receiver { position: landing.position, normal, on };
                 found.push((receiver, landing.primitive));
             }
             from.direction = random.direction();
@@ -55,9 +56,9 @@ impl Lit {
 
     /// The density of a ray that was followed to its end.
     fn density(&self, receiver: &Receiver, direction: DVec3, landing: &Landing) -> f64 {
-        let (normal, arrival) = (self.normal(landing), landing.direction);
-        let end = (landing.primitive, landing.position, normal, arrival);
-        self.lights.surface_density(self.sight.as_ref(), receiver, direction, end)
+        let Landing { primitive, position, direction: arrival } = *landing;
+        let hit = EmitterHit { primitive, position, normal: self.normal(landing), arrival };
+        self.sampler.surface_density(&self.lights, receiver, direction, &hit)
     }
 
     /// Where rays from `receiver` end.
@@ -68,7 +69,7 @@ impl Lit {
     ) -> Vec<Option<Landing>> {
         let rays: Vec<Ray> = directions
             .iter()
-            .map(|&direction| Ray { position: receiver.place.position, direction, leaves: *leaves })
+            .map(|&direction| Ray { position: receiver.position, direction, leaves: *leaves })
             .collect();
         let landing =
             |end: &Outcome<_>| if let Outcome::Landed(landing) = end { Some(*landing) } else { None };
@@ -79,7 +80,7 @@ impl Lit {
     fn samples(&self, receiver: &Receiver, random: &mut Random, count: usize) -> Vec<(DVec3, Target, f64)> {
         let sample = |random: &mut Random| {
             let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
-            let sample = self.lights.sample(self.sight.as_ref(), receiver, numbers)?;
+            let sample = self.sampler.sample(&self.lights, receiver, numbers)?;
             let Incoming::Radiance(_, density) = sample.light else { return None };
             Some((sample.direction, sample.target, density))
         };
@@ -89,10 +90,9 @@ impl Lit {
 
 /// Whether a ray ended where it was aimed at.
 fn is_met(lit: &Lit, target: Target, landing: &Landing) -> bool {
-    let Target::Surface(primitive, position) = target else { return false };
     // A disk around the hole sees itself edge-on.
     let is_seen = landing.direction.dot(lit.normal(landing)).abs() > 1e-6;
-    is_seen && landing.primitive == primitive && lit.sight.is_there(position, landing.position)
+    is_seen && lit.sampler.reaches(target, landing.primitive, landing.position)
 }
 
 fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {
@@ -112,7 +112,7 @@ fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {
                 let bound = bound + 1e-4 / (cos * cos);
                 compared += 1;
                 if error > bound {
-                    wrong.push((number, twist, lit.sight.windings() - 1, error, cos, density));
+                    wrong.push((number, twist, lit.max_winding, error, cos, density));
                 } else if cos.abs() > 0.1 {
                     worst = worst.max(error);
                 }
@@ -198,7 +198,7 @@ fn what_is_seen_inside_a_lamp_can_all_be_sampled() {
             let lit = Lit::new(scene(&text), 0);
             let mut random = Random::new(900 + number as u64);
             let receivers = lit.receivers(&mut random, 100);
-            let on_room = |receiver: &Receiver| receiver.place.position.distance(center) > 0.9 * size;
+            let on_room = |receiver: &Receiver| receiver.position.distance(center) > 0.9 * size;
             assert!(
                 receivers.iter().any(|from| on_room(&from.0))
                     && receivers.iter().any(|from| !on_room(&from.0))

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::support::{Row, camera, film, hole, material, scene, sphere, table};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Incoming, Lensed, Lights, Receiver, Sight};
+use warpfront::light::{Incoming, Lensed, LightSampler, Lights, Receiver};
 use warpfront::scene::Baked;
 use warpfront::shade::{Key, Sampler};
 use warpfront::spacetime::Schwarzschild;
@@ -26,17 +26,17 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
         + &material("light", 0.0, 1.0)
         + &sphere(y, radius, "light");
     let Baked { geometry, materials, environment, punctual, .. } = scene(&text);
-    let sight = Lensed::new(Schwarzschild::new(r_s), DVec3::ZERO, rows.len() as u32 - 1).unwrap();
+    let aim = Lensed::new(Schwarzschild::new(r_s), DVec3::ZERO, rows.len() as u32 - 1).unwrap();
     let lights = Lights::new(&geometry, &materials, &environment, &punctual, 0.1);
     let directions: Vec<DVec3> = rows.iter().map(|row| row.vector(["dx0", "dx1", "dx2"])).collect();
     // Which side of the surface is lit is of no interest: a normal halfway to all images.
     let normal = directions.iter().sum::<DVec3>().normalize_or(DVec3::Z);
-    let receiver = Receiver { place: sight.place(x), normal, on: PrimitiveId::NONE };
+    let receiver = Receiver { position: x, normal, on: PrimitiveId::NONE };
     let sampler = Sampler::sobol(1);
     let mut sums = vec![0.0; rows.len()];
     for sample in 0..SAMPLES {
         let numbers = sampler.four(Key { pixel: 0, sample, set: 1 }).map(f64::from);
-        let Some(found) = lights.sample(&sight, &receiver, numbers) else { continue };
+        let Some(found) = aim.sample(&lights, &receiver, numbers) else { continue };
         let Incoming::Radiance(_, density) = found.light else { continue };
         let nearest = (0..rows.len())
             .min_by(|&a, &b| {

@@ -12,7 +12,9 @@
 //! singularities next to the real axis lie on the imaginary one, and y, z = δ sinh v takes the nearest, ±i δ, and those
 //! behind it to ±i π/2.
 
-use super::lens::{Connection, LANES, Lanes, Lens, Site};
+use super::connection::Connection;
+use super::map::{Lens, Site};
+use super::rules::{LANES, Lanes};
 use crate::math::chebyshev::Chebyshev;
 
 /// Longest panel in v, to each of which a rule of 16 nodes is applied.

@@ -1,0 +1,138 @@
+//! The map itself: polynomials on both sides of the photon sphere, and places on it.
+
+use glam::DVec3;
+
+use super::rules::{Lanes, RULES, rule};
+use crate::math::chebyshev::Chebyshev;
+use crate::spacetime::ConformallyFlat;
+
+/// The lens map of a static, spherically symmetric spacetime with one photon sphere.
+#[derive(Clone, Debug)]
+pub struct Lens {
+    /// Critical impact parameter b_c.
+    pub(super) critical: f64,
+    /// Inverse radius of the photon sphere.
+    photon_sphere: f64,
+    /// h(s) on both sides of the photon sphere.
+    pub(super) through: Chebyshev,
+    /// h(s) outside.
+    pub(super) outside: Chebyshev,
+    /// h(s) inside.
+    pub(super) inside: Chebyshev,
+    /// w(s), over the inverse radius of the photon sphere: its inverse is s without cancellation.
+    place: Chebyshev,
+    /// |s| up to which h is analytic, inside and outside.
+    pub(super) reach: [f64; 2],
+    /// Gauss–Legendre rules, the number of nodes growing.
+    pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
+    /// Resolution that a rule must have: −½ ln of the relative error.
+    pub(super) digits: f64,
+    /// Relative change of a root that ends its search.
+    pub(super) enough: f64,
+    /// (κ − 1) B/b_c far away.
+    pub(super) weak: f64,
+}
+
+/// A place as the lens sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Site {
+    /// Unit vector from the centre.
+    pub(super) radial: DVec3,
+    /// Inverse isotropic radius; 0 at infinity.
+    pub(super) w: f64,
+    /// 1/B.
+    pub(super) q: f64,
+    /// s.
+    pub(super) s: f64,
+}
+
+/// Terms of the polynomials: enough for rounding.
+const TERMS: usize = 48;
+/// |s| below which s is found from w: its square loses digits.
+pub(super) const NEAR_PHOTON_SPHERE: f64 = 0.05;
+/// Inverse radius in units of the photon sphere's, beyond which the index of a horizon at the centre need not be known.
+const DEEPEST: f64 = 1e9;
+
+impl Lens {
+    /// The lens of `medium`, with relative errors of about `tolerance`; `None` if there is no photon sphere.
+    pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64) -> Option<Self> {
+        let (critical, photon_sphere) = (medium.critical_impact_parameter(), 1.0 / medium.photon_sphere());
+        if !(critical > 0.0 && photon_sphere.is_finite()) {
+            return None;
+        }
+        // Where the horizon is at the centre, w(s) has a pole at s = -1: it is fitted where it is asked for.
+        let (innermost, near) = match medium.horizon() {
+            0.0 => (DEEPEST * photon_sphere, (-0.5, 0.5)),
+            horizon => (1.0 / horizon, (-1.0, 1.0)),
+        };
+        let place = |s: f64| {
+            let (low, high) = if s > 0.0 { (0.0, photon_sphere) } else { (photon_sphere, innermost) };
+            let is_lower = |w: f64| critical * w / medium.index(w) < 1.0 - s * s;
+            bisect(low, high, |w| is_lower(w) == (s > 0.0))
+        };
+        // Next to s = 0, where its quotient is 0/0, h is known from afar.
+        let whole = Chebyshev::fit(TERMS, (-1.0, 1.0), |s| {
+            let w = place(s);
+            s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
+        });
+        let part = |low: f64, high: f64| {
+            Chebyshev::fit(TERMS, (low, high), |s| whole.at(s)[0]).trimmed(0.1 * tolerance)
+        };
+        let (inside, outside) = (part(-1.0, 0.0), part(0.0, 1.0));
+        // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
+        let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
+        Some(Self {
+            critical,
+            photon_sphere,
+            through: whole.trimmed(0.1 * tolerance),
+            weak: 0.5 * (1.0 - outside.at(1.0)[1]),
+            outside,
+            inside,
+            reach,
+            place: Chebyshev::fit(TERMS, near, |s| place(s) / photon_sphere),
+            rules: RULES.map(rule).to_vec(),
+            digits: -0.5 * libm::log(tolerance),
+            enough: tolerance,
+        })
+    }
+
+    /// The place `x`, relative to the centre, not 0 and outside the horizon.
+    pub fn site<M: ConformallyFlat>(&self, medium: &M, x: DVec3) -> Site {
+        let rho = x.length();
+        let w = 1.0 / rho;
+        let q = w / medium.index(w);
+        let size = (1.0 - self.critical * q).max(0.0).sqrt();
+        let mut s = if w > self.photon_sphere { -size } else { size };
+        if size < NEAR_PHOTON_SPHERE {
+            for _ in 0..3 {
+                let [value, slope] = self.place.at(s);
+                s -= (value - w / self.photon_sphere) / slope;
+            }
+            s = s.abs().max(f64::EPSILON).copysign(s);
+        }
+        Site { radial: x / rho, w, q, s }
+    }
+}
+
+impl Site {
+    /// The place at infinity in the unit direction `radial`.
+    pub fn infinity(radial: DVec3) -> Self {
+        Self { radial, w: 0.0, q: 0.0, s: 1.0 }
+    }
+}
+
+/// Bisects for the number at which a predicate that holds from `low` on ceases to, between `low` and `high`.
+fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    while high - low > f64::EPSILON * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,59 @@
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{Lens, Site};
+use crate::spacetime::{ConformallyFlat, Schwarzschild};
+
+fn lens() -> (Schwarzschild, Lens) {
+    let hole = Schwarzschild::new(1.0);
+    (hole, Lens::new(&hole, 1e-15).unwrap())
+}
+
+/// The unit vector at an angle in a plane.
+fn at(angle: f64) -> DVec3 {
+    DVec3::new(angle.cos(), angle.sin(), 0.0)
+}
+
+#[test]
+fn light_from_infinity_is_deflected_as_einstein_and_the_next_order_say() {
+    let (hole, lens) = lens();
+    for bend in [1e-2, 1e-3, 1e-4] {
+        // Far behind the hole, swept π + bend.
+        let (x, y) = (Site::infinity(at(0.0)), lens.site(&hole, 1e9 * at(PI + bend)));
+        let ray = lens.connect(&x, &y, 1).unwrap();
+        // bend = 2 r_s/b + 15π/16 (r_s/b)², less the angle b/ρ that is left.
+        let expected = 2.0 / ray.b + 15.0 * PI / 16.0 / (ray.b * ray.b) - ray.b / 1e9;
+        assert!((expected / bend - 1.0).abs() < 3.0 * bend * bend + 1e-8, "{bend}: {expected}");
+        assert!(ray.direction.distance(-at(0.0)) < 1e-15 && ray.arrival.distance(at(PI + bend)) < 1e-4);
+    }
+}
+
+#[test]
+fn the_photon_sphere_joins_its_points_by_circles() {
+    let (hole, lens) = lens();
+    let rho = hole.photon_sphere();
+    for angle in [0.1, 1.0, 3.0] {
+        let [x, y] = [0.0, angle].map(|angle| lens.site(&hole, rho * at(angle)));
+        for winding in 0..3 {
+            let ray = lens.connect(&x, &y, winding).unwrap();
+            assert!((ray.b / lens.critical - 1.0).abs() < 1e-14, "{ray:?}");
+            let way = if winding == 1 { -1.0 } else { 1.0 };
+            assert!(ray.direction.distance(way * at(0.5 * PI)) < 1e-6, "{ray:?}");
+            // Rays beside it part like sin φ across its plane, like sinh φ in it.
+            let exact = 1.0 / (rho * rho * (ray.swept.sin() * ray.swept.sinh()).abs());
+            assert!((ray.geometry_factor / exact - 1.0).abs() < 1e-12, "{ray:?}, exactly {exact}");
+            let time = lens.time(&x, &y, &ray);
+            assert!((time / (ray.b * ray.swept) - 1.0).abs() < 1e-12, "{time}");
+        }
+    }
+}
+
+#[test]
+fn one_place_is_joined_to_itself_only_around_the_hole() {
+    let (hole, lens) = lens();
+    let x = lens.site(&hole, DVec3::new(1.0, 2.0, -3.0));
+    assert_eq!(lens.connect(&x, &x, 0), None);
+    let ring = lens.connect(&x, &x, 1).unwrap();
+    assert_eq!((ring.swept, ring.geometry_factor), (2.0 * PI, f64::INFINITY));
+}

@@ -1,0 +1,126 @@
+//! A ray from one place to another in the plane of its orbit, by one number.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use super::map::{Lens, NEAR_PHOTON_SPHERE, Site};
+
+/// A ray from one place to another in the plane of its orbit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Track {
+    /// Angle swept.
+    pub(super) swept: f64,
+    /// Impact parameter.
+    pub(super) b: f64,
+    /// Cosine and sine of the angle between the radius and the direction of travel, at the start.
+    pub(super) start: [f64; 2],
+    /// Cosine and sine of that angle at the end.
+    pub(super) end: [f64; 2],
+    /// R.
+    pub(super) rate: f64,
+    /// D; 0 between places on both sides of the photon sphere.
+    pub(super) distance: f64,
+}
+
+impl Lens {
+    /// The ray between two places on the same side of the photon sphere that sweeps the angle `gamma` as a straight
+    /// line; from `near`, with the larger q, to `far`.
+    #[inline(always)]
+    pub(super) fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
+        let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
+        let (b, leaving, arriving, d) = straight(near, far, gamma);
+        let (sin, cos) = libm::sincos(gamma);
+        let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
+        let m = self.critical / b;
+        let (swept, slope) = if m > 1.0 {
+            // Far away s is 1 to rounding.
+            let sum = (near.s + far.s).abs();
+            let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
+                self.critical * (near.q - far.q) / sum
+            } else {
+                (near.s - far.s).abs()
+            };
+            let (swept, slope) = self.monotone(fit, near.s, far.s, gap, m - 1.0);
+            (swept, -slope * m / b * db)
+        } else {
+            let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
+            let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
+            let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
+            let bend = far.q * (near.q * cos - far.q) / (d * d);
+            (swept, at_near * (1.0 + bend) - at_far * bend + by_b * db)
+        };
+        let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
+        let (start, end) = (outwards(leaving), outwards(arriving));
+        let track = Track { swept, b, start, end, rate: slope * d, distance: d };
+        (swept.is_finite() && track.rate > 0.0).then_some(track)
+    }
+
+    /// The ray with m − 1 = `above` > 0 between two places on both sides of the photon sphere.
+    #[inline(always)]
+    pub(super) fn through(&self, x: &Site, y: &Site, above: f64) -> Option<Track> {
+        let (swept, slope) = self.monotone(&self.through, x.s, y.s, (x.s - y.s).abs(), above);
+        let m = 1.0 + above;
+        let b = self.critical / m;
+        let way = if y.s > x.s { 1.0 } else { -1.0 };
+        // 1 − (b/B)², without cancellation.
+        let [start, end] = [x, y].map(|site| {
+            let s2 = site.s * site.s;
+            [way * ((above + s2) * (m + 1.0 - s2)).sqrt() / m, b * site.q]
+        });
+        let rate = (start[0] * end[0] * slope * m / b).abs();
+        (above > 0.0 && swept.is_finite() && rate > 0.0).then_some(Track {
+            swept,
+            b,
+            start,
+            end,
+            rate,
+            distance: 0.0,
+        })
+    }
+
+    /// The ray between two places next to the photon sphere that sweeps an angle. There s is a sum of e^λφ and e^−λφ.
+    pub(super) fn circling(&self, x: &Site, y: &Site, swept: f64) -> Track {
+        let growth = FRAC_1_SQRT_2 / self.outside.at(0.0)[0];
+        let (sinh, cosh) = (libm::sinh(growth * swept), libm::cosh(growth * swept));
+        // ds/d(λφ), whose square is m − 1 + s².
+        let rates = [(y.s - x.s * cosh) / sinh, (y.s * cosh - x.s) / sinh];
+        let above = rates[0] * rates[0] - x.s * x.s;
+        let m = 1.0 + above;
+        let b = self.critical / m;
+        let vector = |site: &Site, rate: f64| {
+            let cos = (rate * (m + 1.0 - site.s * site.s).sqrt() / m).clamp(-1.0, 1.0);
+            [cos, (1.0 - cos * cos).sqrt()]
+        };
+        let (start, end) = (vector(x, rates[0]), vector(y, rates[1]));
+        let distance = x.q * (end[0] - start[0]).abs();
+        Track { swept, b, start, end, rate: x.q * sinh / growth, distance }
+    }
+}
+
+/// Of the straight line between two places that are seen under the angle `gamma`: impact parameter, cosine and sine of the
+/// angle to the radius at the start and at the end, and [`distance`].
+#[inline(always)]
+pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> (f64, [f64; 2], [f64; 2], f64) {
+    let (sin, cos) = libm::sincos(gamma);
+    let d = distance(near, far, gamma);
+    let leaving = [(near.q * cos - far.q) / d, near.q * sin / d];
+    let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
+    (sin / d, leaving, arriving, d)
+}
+
+/// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the
+/// triangle of their inverse radii.
+#[inline(always)]
+pub(super) fn distance(x: &Site, y: &Site, angle: f64) -> f64 {
+    let half = libm::sin(0.5 * angle);
+    ((x.q - y.q).powi(2) + 4.0 * x.q * y.q * half * half).sqrt()
+}
+
+/// The track, or the same run backwards.
+#[inline(always)]
+pub(super) fn oriented(track: Track, reversed: bool) -> Track {
+    if !reversed {
+        return track;
+    }
+    let [start, end] = [track.end, track.start].map(|[cos, sin]| [-cos, sin]);
+    Track { start, end, ..track }
+}

@@ -1,0 +1,75 @@
+//! Aim: rays that join two places, for light sampling.
+//!
+//! A family of spacetimes brings its own: what it knows of a place ([`Aim::Place`]) and how it joins two of them. All of
+//! it is deterministic, so that a ray found by BSDF sampling has the density with which it could have been chosen.
+//!
+//! To add one, implement [`Aim`] in a file beside [`straight`] and [`lensed`], and name it in the transport of its family.
+
+pub mod lensed;
+pub mod straight;
+
+use glam::DVec3;
+
+/// A ray that joins two places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// Unit direction at the first.
+    pub direction: DVec3,
+    /// Unit direction of travel at the second.
+    pub arrival: DVec3,
+    /// Solid angle at the first over the area at the second, perpendicular to the ray, scene units⁻²; over the solid angle
+    /// there if it is at infinity.
+    pub geometry_factor: f64,
+}
+
+/// Estimate of how a ray arrives; a function of its ends and winding number alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Length of the ray, scene units.
+    pub distance: f64,
+    /// Unit direction of travel at its end.
+    pub direction: DVec3,
+    /// True if both are exact; an estimate misses parts of what can be seen.
+    pub is_exact: bool,
+}
+
+/// Rays of a family of spacetimes between a receiver `x` and a place `y` of light, numbered by how they wind.
+pub trait Aim: Send + Sync {
+    /// A place in the world or at infinity, with what is computed once for all rays to and from it.
+    type Place;
+
+    /// A place in the world.
+    fn place(&self, x: DVec3) -> Self::Place;
+
+    /// The place at infinity in a unit direction.
+    fn infinity(&self, direction: DVec3) -> Self::Place;
+
+    /// Count of winding numbers that are sampled: from 0 on.
+    fn windings(&self) -> u32;
+
+    /// Probability with which to choose this winding number; the sum over all is 1.
+    fn pmf(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> f64;
+
+    /// Estimate of the ray with this winding number.
+    fn approach(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Approach;
+
+    /// The ray with this winding number; `None` if there is none.
+    fn link(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Option<Link>;
+
+    /// Winding number and geometry factor of a ray that leaves `x` in `direction` and arrives at `y` travelling along
+    /// `arrival`.
+    fn classify(
+        &self,
+        x: &Self::Place,
+        direction: DVec3,
+        y: &Self::Place,
+        arrival: DVec3,
+    ) -> Option<(u32, f64)>;
+
+    /// True if a ray that ends at `end`, on the primitive that it was aimed at, ends where it was aimed at, `at`, rather
+    /// than where it meets the same primitive on its way there.
+    fn is_reached(&self, at: DVec3, end: DVec3) -> bool;
+
+    /// Area in the static frame over area in the chart, at a place.
+    fn area_scale(&self, y: &Self::Place) -> f64;
+}

@@ -1,0 +1,66 @@
+//! Straight aim: exact in flat space.
+
+use glam::DVec3;
+
+use super::{Aim, Approach, Link};
+
+/// Straight rays.
+pub struct Straight;
+
+/// An end of a straight ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StraightPlace {
+    /// World position; at infinity the unit direction.
+    position: DVec3,
+    is_infinite: bool,
+}
+
+impl Aim for Straight {
+    type Place = StraightPlace;
+
+    fn place(&self, x: DVec3) -> StraightPlace {
+        StraightPlace { position: x, is_infinite: false }
+    }
+
+    fn infinity(&self, direction: DVec3) -> StraightPlace {
+        StraightPlace { position: direction, is_infinite: true }
+    }
+
+    fn windings(&self) -> u32 {
+        1
+    }
+
+    fn pmf(&self, _: &StraightPlace, _: &StraightPlace, _: u32) -> f64 {
+        1.0
+    }
+
+    fn approach(&self, x: &StraightPlace, y: &StraightPlace, _: u32) -> Approach {
+        let direction =
+            if y.is_infinite { y.position } else { (y.position - x.position).normalize_or_zero() };
+        Approach { distance: x.position.distance(y.position), direction, is_exact: true }
+    }
+
+    fn link(&self, x: &StraightPlace, y: &StraightPlace, _: u32) -> Option<Link> {
+        if y.is_infinite {
+            return Some(Link { direction: y.position, arrival: y.position, geometry_factor: 1.0 });
+        }
+        let offset = y.position - x.position;
+        let distance2 = offset.length_squared();
+        let direction = offset.try_normalize()?;
+        Some(Link { direction, arrival: direction, geometry_factor: 1.0 / distance2 })
+    }
+
+    fn classify(&self, x: &StraightPlace, _: DVec3, y: &StraightPlace, _: DVec3) -> Option<(u32, f64)> {
+        let geometry_factor = if y.is_infinite { 1.0 } else { 1.0 / x.position.distance_squared(y.position) };
+        Some((0, geometry_factor))
+    }
+
+    fn is_reached(&self, _: DVec3, _: DVec3) -> bool {
+        // What a straight ray meets twice it leaves on the side that is not lit.
+        true
+    }
+
+    fn area_scale(&self, _: &StraightPlace) -> f64 {
+        1.0
+    }
+}

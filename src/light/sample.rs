@@ -1,0 +1,56 @@
+//! Light samples: a direction, where its ray must end, and what it brings.
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::PrimitiveId;
+
+/// End that a light ray must have to bring its light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Target {
+    /// Nowhere.
+    #[default]
+    Nothing,
+    /// A point of a primitive.
+    Surface(PrimitiveId, DVec3),
+    /// Any emitter behind mirrors and glass.
+    ThroughSpecular,
+    /// Infinity.
+    Infinity,
+    /// A punctual light in the world, by its index.
+    Point(u32),
+}
+
+/// A direction in which light may come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit direction.
+    pub direction: DVec3,
+    /// End that the ray must have.
+    pub target: Target,
+    /// Light that it brings.
+    pub light: Incoming,
+}
+
+/// Light of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Incoming {
+    /// Radiance, and the density of its direction in solid angle: BSDF sampling can find it, too.
+    Radiance(Vec3, f64),
+    /// Radiance of the sky in a unit direction at infinity, and the density of the direction here in solid angle.
+    Sky(DVec3, f64),
+    /// Irradiance of a punctual light on a surface that faces it, divided by the probability of the sample.
+    Irradiance(Vec3),
+}
+
+/// An emitter that a ray found by BSDF sampling ends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmitterHit {
+    /// The primitive.
+    pub primitive: PrimitiveId,
+    /// World position.
+    pub position: DVec3,
+    /// Unit normal, towards the front.
+    pub normal: DVec3,
+    /// Unit direction of travel.
+    pub arrival: DVec3,
+}

@@ -1,0 +1,209 @@
+//! Light sampling: a direction from which light may come, and its density in solid angle.
+//!
+//! The same in flat and in curved space, as only the [`Aim`] knows rays; one way from top to bottom:
+//!
+//! 1. a light: by the kind, then an emitter by the light tree;
+//! 2. its place as the aim knows it, and the winding number of a ray to it;
+//! 3. a point on it;
+//! 4. the ray to that point;
+//! 5. its density, from the probabilities of the choices and the geometry factor dΩ/dA.
+
+use glam::DVec3;
+
+use super::aim::{Aim, Link};
+use super::emitter::{Emitter, Standpoint, View};
+use super::lights::{Choice, Lights};
+use super::punctual::Punctual;
+use super::receiver::Receiver;
+use super::sample::{EmitterHit, Incoming, LightSample, Target};
+use super::sky::Sky;
+use crate::geometry::PrimitiveId;
+
+/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be generic
+/// over aims.
+pub trait LightSampler: Send + Sync {
+    /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
+    fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
+
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an emitter.
+    fn surface_density(
+        &self,
+        lights: &Lights,
+        receiver: &Receiver,
+        direction: DVec3,
+        hit: &EmitterHit,
+    ) -> f64;
+
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity in
+    /// the direction `at_infinity`.
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64;
+
+    /// True if a light ray that lands at `position` on `primitive` has reached its target.
+    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool;
+}
+
+impl<A: Aim> LightSampler for A {
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
+        let choice = lights.choose(receiver, u0)?;
+        let x = self.place(receiver.position);
+        match choice {
+            Choice::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
+            Choice::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
+            Choice::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
+            Choice::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
+        }
+    }
+
+    fn surface_density(
+        &self,
+        lights: &Lights,
+        receiver: &Receiver,
+        direction: DVec3,
+        hit: &EmitterHit,
+    ) -> f64 {
+        let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
+        let (cos, standpoint) = (-hit.arrival.dot(hit.normal), emitter.standpoint(receiver));
+        if !emitter.is_lit_by(cos, standpoint) {
+            return 0.0;
+        }
+        let pmf = lights.emitter_pmf(index, receiver);
+        if pmf == 0.0 {
+            return 0.0;
+        }
+        let (x, y) = (self.place(receiver.position), self.place(hit.position));
+        let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, hit.arrival) else {
+            return 0.0;
+        };
+        let middle = self.place(emitter.middle());
+        let winding_pmf = self.pmf(&x, &middle, winding);
+        let view = view(self, (emitter, standpoint), &x, &middle, winding);
+        finite(pmf * winding_pmf * emitter.density(&view, hit.normal) / (geometry_factor * cos.abs()))
+    }
+
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64 {
+        let Some((sky, pmf)) = lights.sky() else { return 0.0 };
+        let (x, y) = (self.place(receiver.position), self.infinity(at_infinity));
+        let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, at_infinity) else {
+            return 0.0;
+        };
+        finite(pmf * sky.density(at_infinity) * self.pmf(&x, &y, winding) / geometry_factor)
+    }
+
+    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool {
+        let Target::Surface(wanted, at) = target else { return false };
+        primitive == wanted && self.is_reached(at, position)
+    }
+}
+
+fn sample_emitter<A: Aim>(
+    aim: &A,
+    (x, receiver): (&A::Place, &Receiver),
+    (emitter, pmf): (&Emitter, f64),
+    [u, v, w]: [f64; 3],
+) -> Option<LightSample> {
+    let middle = aim.place(emitter.middle());
+    let (winding, winding_pmf) = choose_winding(aim, x, &middle, u)?;
+    let standpoint = emitter.standpoint(receiver);
+    let view = view(aim, (emitter, standpoint), x, &middle, winding);
+    let spot = emitter.sample(&view, v, w)?;
+    let link = aim.link(x, &aim.place(spot.position), winding)?;
+    let cos = -link.arrival.dot(spot.normal);
+    if !emitter.is_lit_by(cos, standpoint) {
+        return None;
+    }
+    let density = pmf * winding_pmf * spot.density / (link.geometry_factor * cos.abs());
+    Some(LightSample {
+        direction: link.direction,
+        target: Target::Surface(emitter.primitive, spot.position),
+        light: Incoming::Radiance(emitter.radiance, density),
+    })
+}
+
+fn sample_point<A: Aim>(
+    aim: &A,
+    x: &A::Place,
+    (light, index, pmf): (&Punctual, u32, f64),
+    u: f64,
+) -> Option<LightSample> {
+    let y = aim.place(light.position()?);
+    let (link, winding_pmf) = choose_link(aim, x, &y, u)?;
+    // Intensities are those of the light's own frame.
+    let geometry_factor = link.geometry_factor / aim.area_scale(&y);
+    let irradiance = light.intensity_towards(-link.arrival) * (geometry_factor / (pmf * winding_pmf)) as f32;
+    let light = Incoming::Irradiance(irradiance);
+    Some(LightSample { direction: link.direction, target: Target::Point(index), light })
+}
+
+fn sample_distant<A: Aim>(
+    aim: &A,
+    x: &A::Place,
+    (light, inverse_pmf): (&Punctual, f64),
+    u: f64,
+) -> Option<LightSample> {
+    let travel = light.direction()?;
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(-travel), u)?;
+    let irradiance = light.intensity_towards(travel) * inverse_pmf as f32;
+    let light = Incoming::Irradiance(irradiance * (link.geometry_factor / winding_pmf) as f32);
+    Some(LightSample { direction: link.direction, target: Target::Infinity, light })
+}
+
+fn sample_sky<A: Aim>(
+    aim: &A,
+    x: &A::Place,
+    (sky, pmf): (&Sky, f64),
+    [u, v, w]: [f64; 3],
+) -> Option<LightSample> {
+    let (at_infinity, density) = sky.sample(v, w)?;
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(at_infinity), u)?;
+    let light = Incoming::Sky(at_infinity, density * pmf * winding_pmf / link.geometry_factor);
+    Some(LightSample { direction: link.direction, target: Target::Infinity, light })
+}
+
+/// A winding number and its probability.
+fn choose_winding<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(u32, f64)> {
+    let mut below = 0.0;
+    for winding in 0..aim.windings() {
+        let pmf = aim.pmf(x, y, winding);
+        below += pmf;
+        if u < below {
+            return Some((winding, pmf));
+        }
+    }
+    None
+}
+
+/// A ray to a place that is a point, and the probability of its winding number.
+fn choose_link<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(Link, f64)> {
+    let (winding, pmf) = choose_winding(aim, x, y, u)?;
+    Some((aim.link(x, y, winding)?, pmf))
+}
+
+/// View of an emitter, whose middle is at `middle`, from `x`.
+fn view<A: Aim>(
+    aim: &A,
+    (emitter, standpoint): (&Emitter, Standpoint),
+    x: &A::Place,
+    middle: &A::Place,
+    winding: u32,
+) -> View {
+    if !emitter.needs_view() || standpoint != Standpoint::Apart {
+        return View::Everywhere;
+    }
+    View::Outside(aim.approach(x, middle, winding))
+}
+
+/// Winding number and geometry factor of a ray; `None` if it winds too often to be sampled.
+fn classify<A: Aim>(
+    aim: &A,
+    x: &A::Place,
+    direction: DVec3,
+    y: &A::Place,
+    arrival: DVec3,
+) -> Option<(u32, f64)> {
+    aim.classify(x, direction, y, arrival).filter(|(winding, _)| *winding < aim.windings())
+}
+
+/// A density, or 0 on caustics, where images merge and the geometry factor is infinite or not a number.
+fn finite(density: f64) -> f64 {
+    if density.is_finite() { density } else { 0.0 }
+}

@@ -1,0 +1,131 @@
+//! Nodes of a light tree and their importance for a receiver.
+//!
+//! References: as for the [tree](super).
+
+use glam::{DVec3, Vec3};
+
+use super::cluster::Cluster;
+
+/// A cluster in f32: the cost of a choice is that of reading nodes, and every rounding makes the cluster larger.
+#[derive(Clone, Copy)]
+pub struct Node {
+    /// Sphere around the bounds.
+    middle: Vec3,
+    radius: f32,
+    axis: Vec3,
+    cos_normals: f32,
+    sin_normals: f32,
+    cos_emission: f32,
+    /// Relative to the brightest emitter's, positive.
+    power: f32,
+    /// Emitters below it.
+    pub subtree: Subtree,
+    both_sides: bool,
+}
+
+/// Emitters below a node.
+#[derive(Clone, Copy)]
+pub enum Subtree {
+    /// One emitter, by index.
+    Emitter(u32),
+    /// Two nodes, by the index of the first.
+    Pair(u32),
+}
+
+/// Receiver of light, relative to the tree's origin.
+pub struct LocalReceiver {
+    /// Position.
+    pub x: DVec3,
+    /// Unit normal on the side that is lit; `None`: no surface, or one unknown.
+    pub normal: Option<DVec3>,
+}
+
+/// Cosines of a node are this inexact: its axis and angles are rounded.
+const COSINE_ERROR: f64 = 1e-6;
+/// A cluster's distance is at least this much of its radius: within it, its middle says little about where its emitters
+/// are. 1/3 measures best of 1 (half the diagonal), 1/√2, 1/√3, 1/3 and 1/√30: among 10 000 small triangles in a cube,
+/// in a wall, or on 200 spheres the variance is 9, 5 and 3 times lower than with 1.
+const NEAREST: f64 = 1.0 / 3.0;
+/// Squared distances below this are taken for it, so that the importance of a point stays finite at the point.
+const SMALLEST_SQUARE: f64 = 1e-60;
+
+impl Node {
+    /// The node of a cluster, relative to the middle of everything.
+    pub fn new(cluster: &Cluster, origin: DVec3, subtree: Subtree) -> Self {
+        let &Cluster { min, max, power, cone } = cluster;
+        let exact = 0.5 * min + 0.5 * max - origin;
+        let middle = exact.as_vec3();
+        let radius = 0.5 * min.distance(max) + exact.distance(middle.as_dvec3());
+        let cos_normals = down(libm::cos(cone.normals)).max(-1.0);
+        Self {
+            middle,
+            radius: -down(-radius),
+            axis: cone.axis.as_vec3(),
+            cos_normals,
+            sin_normals: (1.0 - cos_normals * cos_normals).sqrt(),
+            cos_emission: down(libm::cos(cone.emission)),
+            power: (power as f32).max(f32::MIN_POSITIVE),
+            subtree,
+            both_sides: cone.both_sides,
+        }
+    }
+
+    /// Importance \[C, P\], finite and at least 0; 0 only where nothing in the cluster can contribute.
+    #[inline]
+    pub fn importance(&self, receiver: &LocalReceiver, floor: f64) -> f64 {
+        let from = receiver.x - self.middle.as_dvec3();
+        let (square, radius2) = (from.length_squared(), f64::from(self.radius) * f64::from(self.radius));
+        let intensity = f64::from(self.power) / square.max(NEAREST * NEAREST * radius2).max(SMALLEST_SQUARE);
+        if square <= radius2 {
+            return intensity;
+        }
+        // Roots of squares, none of another root: half the time of a choice is the wait for them.
+        let inverse2 = square.recip();
+        let inverse = inverse2.sqrt();
+        let sin2 = radius2 * inverse2;
+        let subtended = Angle { cos: (1.0 - sin2).max(0.0).sqrt(), sin: sin2.sqrt() };
+        let to = |unit: DVec3, both_ways: bool| {
+            let along = unit.dot(from);
+            let along = if both_ways { along.abs() } else { along };
+            let sin2 = 1.0 - along * along * inverse2;
+            Angle { cos: along * inverse, sin: sin2.max(0.0).sqrt() }
+        };
+        let normals = Angle { cos: self.cos_normals.into(), sin: self.sin_normals.into() };
+        let cos = to(self.axis.as_dvec3(), self.both_sides).less(normals).less(subtended).cos;
+        let shines = cos > f64::from(self.cos_emission) - COSINE_ERROR;
+        let emitted = if shines { cos.max(COSINE_ERROR) } else { 0.0 };
+        let received = match receiver.normal {
+            Some(normal) => {
+                let cos = to(-normal, false).less(subtended).cos;
+                if cos > -COSINE_ERROR { cos.max(COSINE_ERROR) } else { 0.0 }
+            }
+            None => 1.0,
+        };
+        intensity * emitted.max(floor) * received.max(floor)
+    }
+}
+
+/// An angle in [0, π].
+#[derive(Clone, Copy)]
+struct Angle {
+    cos: f64,
+    sin: f64,
+}
+
+impl Angle {
+    /// The difference, at least 0.
+    #[inline]
+    fn less(self, other: Angle) -> Angle {
+        let cos = self.cos * other.cos + self.sin * other.sin;
+        let sin = self.sin * other.cos - self.cos * other.sin;
+        // Two choices of numbers, not one of ways: which it is cannot be predicted.
+        let smaller = self.cos >= other.cos;
+        Angle { cos: if smaller { 1.0 } else { cos }, sin: if smaller { 0.0 } else { sin } }
+    }
+}
+
+/// The nearest f32 that is not above `v`.
+fn down(v: f64) -> f32 {
+    let narrow = v as f32;
+    if f64::from(narrow) > v { narrow.next_down() } else { narrow }
+}
