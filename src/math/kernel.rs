@@ -47,22 +47,21 @@ pub fn map_full<R, K: Kernel<A: Paired, B: Paired, Out: Paired>>(
     b: &[<K::B as Row>::Block],
     out: &mut [<K::Out as Row>::Block],
 ) {
-    if LANES * size_of::<R>() >= widest_vector() {
-        return map(kernel, a, b, out);
+    // A constant: pairs are compiled only for the numbers and for the vectors that call for them.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if const { LANES * size_of::<R>() < AVX512_BYTES }
+        && let pulp::Arch::V4(avx512) = simd::arch()
+    {
+        let (a, b, (out, last)) = (a.as_chunks(), b.as_chunks(), out.as_chunks_mut());
+        avx512.vectorize(MapPairs { kernel, a: a.0, b: b.0, out });
+        return map(kernel, a.1, b.1, last);
     }
-    let (a, b, (out, last)) = (a.as_chunks(), b.as_chunks(), out.as_chunks_mut());
-    widest(MapPairs { kernel, a: a.0, b: b.0, out });
-    map(kernel, a.1, b.1, last);
+    map(kernel, a, b, out);
 }
 
-/// Bytes in the widest vectors that kernels are compiled for and the machine has.
-fn widest_vector() -> usize {
-    match simd::arch() {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        pulp::Arch::V4(_) => 64,
-        _ => 32,
-    }
-}
+/// Bytes in an AVX-512 vector; in all others, a block of the narrowest numbers fills one.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+const AVX512_BYTES: usize = 64;
 
 /// Runs `work` with the widest vectors that the machine has.
 ///

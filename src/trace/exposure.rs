@@ -10,11 +10,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::edges::Edges;
-use super::shoot::{Ray, Shot, follow};
+use super::shoot::{Shot, follow};
 use super::stages::draw::Numbers;
 use super::stages::generate::generate;
 use super::stages::scatter::{Meeting, meet, scatter};
-use super::transport::{Outcome, Transport};
+use super::transport::{Landing, Outcome, Start, Transport};
 use super::work::{Job, Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::{Cap, Lights};
@@ -58,13 +58,14 @@ pub fn limit_to_exposed<T: Transport>(job: &Job, transport: &T, lights: &mut Lig
 fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
     let scene = job.scene;
     let (mut path, position, direction) = generate(job, work, pixel);
-    let mut ray = Ray { position, direction, leaves: PrimitiveId::NONE };
+    let mut start = Start { position, direction, leaves: PrimitiveId::NONE, carried: T::Carried::default() };
     let mut met = Vec::new();
     loop {
         if job.halt.is_due() {
             return met;
         }
-        let Shot { end, .. } = follow(transport, &scene.geometry, &ray, &job.halt, |_, _, _, _| {});
+        let (Shot { end, .. }, carried) =
+            follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let meeting = meet(scene, &landing, path.media);
         let incidence = meeting.incidence(landing.direction, path.media);
@@ -74,7 +75,8 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
         let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
-        ray = Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive };
+        let Landing { position, primitive: leaves, .. } = landing;
+        start = Start { position, direction: bounce.direction, leaves, carried };
     }
 }
 

@@ -3,7 +3,6 @@
 use std::convert::Infallible;
 
 use super::halt::Halt;
-use super::shoot::Ray;
 use super::stages::intersect::intersect_all;
 use super::stats::Counters;
 use super::transport::{Moved, Outcome, Start, Transport};
@@ -20,7 +19,7 @@ pub(super) struct Flock<T: Transport> {
     rays: Vec<usize>,
     /// It always matters where exactly a ray lands.
     exactly: Vec<bool>,
-    starts: Vec<Start>,
+    starts: Vec<(usize, Start<T::Carried>)>,
     /// Lanes whose rays ended in this round.
     ended: Vec<usize>,
 }
@@ -41,20 +40,20 @@ impl<T: Transport> Default for Flock<T> {
 }
 
 impl<T: Transport> Flock<T> {
-    /// Where `rays` end, in their order, as [`follow`](super::shoot::follow) tells of each; not worth anything once `halt`
-    /// is due.
+    /// Ends of the rays from `from`, in their order, and what they carry there, as [`follow`](super::shoot::follow) tells of
+    /// each; not worth anything once `halt` is due.
     pub fn follow(
         &mut self,
         transport: &T,
         geometry: &Geometry,
-        rays: &[Ray],
+        from: &[Start<T::Carried>],
         halt: &Halt,
-        ends: &mut Vec<Outcome<Infallible>>,
+        ends: &mut Vec<(Outcome<Infallible>, T::Carried)>,
     ) {
         ends.clear();
-        ends.resize(rays.len(), Outcome::NonFinite);
-        self.launch(transport, rays);
-        let (mut live, mut counters) = (rays.len(), Counters::default());
+        ends.resize(from.len(), (Outcome::NonFinite, T::Carried::default()));
+        self.launch(transport, from);
+        let (mut live, mut counters) = (from.len(), Counters::default());
         let Self { flights, moves, search, scratch, rays, exactly, ended, .. } = self;
         while live > 0 && !halt.is_due() {
             transport.advance_all(flights.blocks(live), moves.blocks_mut(live));
@@ -63,9 +62,9 @@ impl<T: Transport> Flock<T> {
             transport.settle_all(
                 Moved { geometry, flights, moves, found, exactly },
                 scratch,
-                |lane, outcome| {
+                |lane, outcome, carried| {
                     if let Ok(end) = outcome.end() {
-                        ends[rays[lane]] = end;
+                        ends[rays[lane]] = (end, carried);
                         ended.push(lane);
                     }
                 },
@@ -80,16 +79,14 @@ impl<T: Transport> Flock<T> {
         }
     }
 
-    fn launch(&mut self, transport: &T, rays: &[Ray]) {
-        self.flights.resize(rays.len());
-        self.moves.resize(rays.len());
-        self.exactly.resize(rays.len(), true);
+    fn launch(&mut self, transport: &T, from: &[Start<T::Carried>]) {
+        self.flights.resize(from.len());
+        self.moves.resize(from.len());
+        self.exactly.resize(from.len(), true);
         self.rays.clear();
-        self.rays.extend(0..rays.len());
-        let start =
-            |(lane, &Ray { position, direction, leaves })| Start { lane, position, direction, leaves };
+        self.rays.extend(0..from.len());
         self.starts.clear();
-        self.starts.extend(rays.iter().enumerate().map(start));
+        self.starts.extend(from.iter().copied().enumerate());
         transport.launch_all(&self.starts, &mut self.flights, &mut self.scratch);
     }
 }

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::transport::{Advancing, Landing, Outcome, Transport};
+use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::math::columns::{Row, columns};
@@ -66,6 +66,43 @@ columns! {
 const TAIL: f64 = 1e-6;
 
 impl<M: ConformallyFlat> PaperMarch<M> {
+    /// What becomes of a ray, given what its look-ahead found.
+    #[inline(always)]
+    fn outcome(&self, flight: &PaperFlight, step: &PaperMove, found: Option<Found>) -> Outcome<PaperFlight> {
+        let steps = flight.steps + 1;
+        if let Some(Found { point, primitive }) = found {
+            if (point - self.center).distance(flight.position) < SIGMA {
+                let direction = flight.momentum.normalize();
+                return Outcome::Landed(Landing { position: point, direction, primitive });
+            }
+            let closer = PaperFlight { step: SHRINK * flight.step, steps, ..*flight };
+            return if steps < MAX_ITERATIONS { Outcome::Flying(closer) } else { Outcome::StepLimit };
+        }
+        let (position, momentum) = (step.position, step.momentum);
+        if !(position.is_finite() && momentum.is_finite()) {
+            return Outcome::NonFinite;
+        }
+        let (rho, outwards) = (position.length(), position.dot(momentum));
+        let b = position.cross(momentum).length();
+        let fate = Fate::of(&self.medium, rho, b, outwards > 0.0);
+        if self.chart.is_left(fate, 1.0 / rho, -outwards / rho) {
+            return match fate {
+                Fate::Falls => Outcome::Captured,
+                Fate::Escapes => self.direction_at_infinity(position, momentum),
+            };
+        }
+        if steps >= MAX_ITERATIONS {
+            return Outcome::StepLimit;
+        }
+        Outcome::Flying(PaperFlight {
+            position,
+            momentum,
+            step: (GROW * flight.step).min(LARGEST_STEP),
+            leaves: PrimitiveId::NONE,
+            steps,
+        })
+    }
+
     fn direction_at_infinity(&self, position: DVec3, momentum: DVec3) -> Outcome<PaperFlight> {
         let orbit = Launch::new(&self.medium, position, momentum, f64::EPSILON);
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
@@ -101,8 +138,9 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
     type Move = PaperMove;
     type Segment = Line;
     type Scratch = ();
+    type Carried = ();
 
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> PaperFlight {
+    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> PaperFlight {
         let x = position - self.center;
         PaperFlight {
             position: x,
@@ -150,39 +188,8 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<PaperFlight> {
-        let steps = flight.steps + 1;
-        if let Some(Found { point, primitive }) = found {
-            if (point - self.center).distance(flight.position) < SIGMA {
-                let direction = flight.momentum.normalize();
-                return Outcome::Landed(Landing { position: point, direction, primitive });
-            }
-            let closer = PaperFlight { step: SHRINK * flight.step, steps, ..*flight };
-            return if steps < MAX_ITERATIONS { Outcome::Flying(closer) } else { Outcome::StepLimit };
-        }
-        let (position, momentum) = (step.position, step.momentum);
-        if !(position.is_finite() && momentum.is_finite()) {
-            return Outcome::NonFinite;
-        }
-        let (rho, outwards) = (position.length(), position.dot(momentum));
-        let b = position.cross(momentum).length();
-        let fate = Fate::of(&self.medium, rho, b, outwards > 0.0);
-        if self.chart.is_left(fate, 1.0 / rho, -outwards / rho) {
-            return match fate {
-                Fate::Falls => Outcome::Captured,
-                Fate::Escapes => self.direction_at_infinity(position, momentum),
-            };
-        }
-        if steps >= MAX_ITERATIONS {
-            return Outcome::StepLimit;
-        }
-        Outcome::Flying(PaperFlight {
-            position,
-            momentum,
-            step: (GROW * flight.step).min(LARGEST_STEP),
-            leaves: PrimitiveId::NONE,
-            steps,
-        })
+    ) -> (Outcome<PaperFlight>, ()) {
+        (self.outcome(flight, step, found), ())
     }
 
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Line> {

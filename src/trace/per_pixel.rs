@@ -11,7 +11,7 @@ use super::stages::light::{self, Progress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::Counters;
-use super::transport::{Outcome, Transport};
+use super::transport::{Landing, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::{Job, Work};
 use crate::geometry::PrimitiveId;
@@ -40,7 +40,8 @@ fn trace_path<T: Transport>(
 ) -> Option<()> {
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
-    let mut flight = transport.launch(position, direction, PrimitiveId::NONE);
+    let mut carried = T::Carried::default();
+    let mut flight = transport.launch(&Start { position, direction, leaves: PrimitiveId::NONE, carried });
     let mut vertex = Vertex::default();
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
@@ -58,31 +59,35 @@ fn trace_path<T: Transport>(
             samples,
         );
         if let Some(illumination) = illumination {
-            let is_reached =
-                match light::settle(job, illumination, transport, (&flight, &step, found), &vertex) {
-                    Progress::Flying(next) => {
-                        flight = next;
+            let (progress, arrived) =
+                light::settle(job, illumination, transport, (&flight, &step, found), &vertex);
+            let is_reached = match progress {
+                Progress::Flying(next) => {
+                    flight = next;
+                    continue;
+                }
+                Progress::Landed(landing) => {
+                    if let Some(direction) = light::bend(job, &mut path, &mut vertex, &landing) {
+                        let Landing { position, primitive: leaves, .. } = landing;
+                        flight = transport.launch(&Start { position, direction, leaves, carried: arrived });
                         continue;
                     }
-                    Progress::Landed(landing) => {
-                        if let Some(direction) = light::bend(job, &mut path, &mut vertex, &landing) {
-                            flight = transport.launch(landing.position, direction, landing.primitive);
-                            continue;
-                        }
-                        false
-                    }
-                    Progress::Escaped(direction) => {
-                        light::escape(job, &mut path, &vertex, direction);
-                        false
-                    }
-                    Progress::Ended(is_reached) => is_reached,
-                };
+                    false
+                }
+                Progress::Escaped(direction) => {
+                    light::escape(job, &mut path, &vertex, direction);
+                    false
+                }
+                Progress::Ended(is_reached) => is_reached,
+            };
             let Some(direction) = gather(&mut path, &mut vertex, is_reached) else { break };
-            flight = transport.launch(vertex.position, direction, vertex.leaves);
+            let Vertex { position, leaves, .. } = vertex;
+            flight = transport.launch(&Start { position, direction, leaves, carried });
             counters.rays += 1;
             continue;
         }
-        let fate = match transport.settle(Some(geometry), &flight, &step, found) {
+        let (outcome, arrived) = transport.settle(Some(geometry), &flight, &step, found);
+        let fate = match outcome {
             Outcome::Flying(next) => {
                 flight = next;
                 continue;
@@ -92,7 +97,9 @@ fn trace_path<T: Transport>(
                 let numbers = Numbers::draw(job, &path);
                 match shade(job, &mut path, &mut vertex, &landing, &numbers, samples) {
                     Some(direction) => {
-                        flight = transport.launch(landing.position, direction, landing.primitive);
+                        carried = arrived;
+                        let Landing { position, primitive: leaves, .. } = landing;
+                        flight = transport.launch(&Start { position, direction, leaves, carried });
                         counters.count_ray(vertex.is_lit);
                         continue;
                     }

@@ -6,9 +6,8 @@ use rayon::prelude::*;
 
 use super::flock::Flock;
 use super::halt::Halt;
-use super::shoot::Ray;
 use super::stages::scatter::meet;
-use super::transport::{Landing, Outcome, Transport};
+use super::transport::{Landing, Outcome, Start, Transport};
 use super::work::Job;
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::{Baked, Settings};
@@ -84,9 +83,9 @@ struct Flying {
 }
 
 /// What becomes of a photon where it lands.
-enum Event {
+enum Event<C> {
     Stays(Photon),
-    Goes(Flying, Ray),
+    Goes(Flying, Start<C>),
     IsLost,
 }
 
@@ -95,19 +94,21 @@ impl Shower<'_> {
     fn fall<T: Transport>(&self, transport: &T, flock: &mut Flock<T>, range: Range<u32>) -> Vec<Photon> {
         let mut landed: Vec<Option<Photon>> = range.clone().map(|_| None).collect();
         let first = range.start;
-        let (mut flying, mut rays): (Vec<Flying>, Vec<Ray>) =
+        let (mut flying, mut starts): (Vec<Flying>, Vec<Start<T::Carried>>) =
             range.filter_map(|index| self.start(index)).unzip();
         let mut ends = Vec::new();
-        while !rays.is_empty() {
-            flock.follow(transport, &self.scene.geometry, &rays, self.halt, &mut ends);
-            rays.clear();
+        while !starts.is_empty() {
+            flock.follow(transport, &self.scene.geometry, &starts, self.halt, &mut ends);
+            starts.clear();
             for (photon, end) in std::mem::take(&mut flying).into_iter().zip(&ends) {
-                let (place, Outcome::Landed(landing)) = (photon.index - first, end) else { continue };
-                match self.land(photon, landing) {
+                let (place, &(Outcome::Landed(landing), carried)) = (photon.index - first, end) else {
+                    continue;
+                };
+                match self.land(photon, &landing, carried) {
                     Event::Stays(photon) => landed[place as usize] = Some(photon),
-                    Event::Goes(photon, ray) => {
+                    Event::Goes(photon, start) => {
                         flying.push(photon);
-                        rays.push(ray);
+                        starts.push(start);
                     }
                     Event::IsLost => {}
                 }
@@ -121,7 +122,7 @@ impl Shower<'_> {
         self.sampler.four(Key { pixel: u32::MAX, sample: index, set })
     }
 
-    fn start(&self, index: u32) -> Option<(Flying, Ray)> {
+    fn start<C: Default>(&self, index: u32) -> Option<(Flying, Start<C>)> {
         let [choice, back, u, v] = self.numbers(index, 0).map(f64::from);
         let total = *self.powers.last()?;
         let emitter = self.powers.partition_point(|&below| below <= choice * total);
@@ -134,10 +135,11 @@ impl Shower<'_> {
         let mut way = Way::default();
         way.add(self.scene.geometry.surface(emitter.primitive).entity);
         let photon = Flying { index, hops: 0, media: Media::VACUUM, way };
-        Some((photon, Ray { position: spot.position, direction, leaves: emitter.primitive }))
+        let (position, leaves) = (spot.position, emitter.primitive);
+        Some((photon, Start { position, direction, leaves, carried: C::default() }))
     }
 
-    fn land(&self, photon: Flying, landing: &Landing) -> Event {
+    fn land<C>(&self, photon: Flying, landing: &Landing, carried: C) -> Event<C> {
         let Flying { index, hops, media, mut way } = photon;
         let materials = &self.scene.materials;
         let meeting = meet(self.scene, landing, media);
@@ -154,9 +156,10 @@ impl Shower<'_> {
         let bounce = shade::scatter(materials, &incidence, self.numbers(index, 2 + hops));
         let Some(bounce) = bounce.filter(|_| hops < MOST_HOPS) else { return Event::IsLost };
         way.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
+        let &Landing { position, primitive: leaves, .. } = landing;
         Event::Goes(
             Flying { index, hops: hops + 1, media: bounce.media, way },
-            Ray { position: landing.position, direction: bounce.direction, leaves: landing.primitive },
+            Start { position, direction: bounce.direction, leaves, carried },
         )
     }
 }

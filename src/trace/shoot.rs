@@ -9,7 +9,7 @@ use super::choice::with_transport;
 use super::halt::Halt;
 use super::stages::intersect::intersect;
 use super::stats::Counters;
-use super::transport::{Errand, Landing, Outcome, Transport};
+use super::transport::{Errand, Landing, Outcome, Start, Transport};
 use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 
@@ -22,6 +22,14 @@ pub struct Ray {
     pub direction: DVec3,
     /// What it starts on: [`PrimitiveId::NONE`] in free space.
     pub leaves: PrimitiveId,
+}
+
+impl Ray {
+    /// Start of the ray, with nothing else said about it.
+    pub(super) fn start<C: Default>(&self) -> Start<C> {
+        let Self { position, direction, leaves } = *self;
+        Start { position, direction, leaves, carried: C::default() }
+    }
 }
 
 /// Steps between two looks at the clock.
@@ -55,26 +63,26 @@ impl Errand for Shooting<'_> {
         let halt = Halt::default();
         self.rays
             .par_iter()
-            .map(|ray| follow(transport, self.geometry, ray, &halt, |_, _, _, _| {}))
+            .map(|ray| follow(transport, self.geometry, &ray.start(), &halt, |_, _, _, _| {}).0)
             .collect()
     }
 }
 
 /// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, what was found along it,
-/// and where the ray landed on it if it did.
+/// and where the ray landed on it if it did. With the shot comes what the ray carries at its end.
 pub(super) fn follow<T: Transport>(
     transport: &T,
     geometry: &Geometry,
-    ray: &Ray,
+    start: &Start<T::Carried>,
     halt: &Halt,
     mut each: impl FnMut(&T::Flight, &T::Move, Option<Found>, Option<&Landing>),
-) -> Shot {
-    let mut flight = transport.launch(ray.position, ray.direction, ray.leaves);
+) -> (Shot, T::Carried) {
+    let mut flight = transport.launch(start);
     let mut counters = Counters::default();
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, &mut counters);
-        let outcome = transport.settle(Some(geometry), &flight, &step, found);
+        let (outcome, carried) = transport.settle(Some(geometry), &flight, &step, found);
         each(
             &flight,
             &step,
@@ -82,12 +90,14 @@ pub(super) fn follow<T: Transport>(
             if let Outcome::Landed(landing) = &outcome { Some(landing) } else { None },
         );
         match outcome.end() {
-            Ok(end) => return Shot { end, steps: counters.steps, queries: counters.queries },
+            Ok(end) => {
+                return (Shot { end, steps: counters.steps, queries: counters.queries }, carried);
+            }
             Err(next) => flight = next,
         }
         if counters.steps.is_multiple_of(PATIENCE) && halt.is_due() {
             let Counters { steps, queries, .. } = counters;
-            return Shot { end: Outcome::StepLimit, steps, queries };
+            return (Shot { end: Outcome::StepLimit, steps, queries }, carried);
         }
     }
 }

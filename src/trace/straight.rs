@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::transport::{Advancing, Landing, Outcome, Transport};
+use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
@@ -64,9 +64,10 @@ impl Transport for Straight {
     type Move = StraightMove;
     type Segment = Line;
     type Scratch = ();
+    type Carried = ();
 
     #[inline(always)]
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> StraightFlight {
+    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> StraightFlight {
         StraightFlight { position, direction, leaves }
     }
 
@@ -120,14 +121,15 @@ impl Transport for Straight {
         flight: &Self::Flight,
         _: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<StraightFlight> {
+    ) -> (Outcome<StraightFlight>, ()) {
         let direction = flight.direction;
-        match found {
+        let outcome = match found {
             Some(Found { point, primitive }) => {
                 Outcome::Landed(Landing { position: point, direction, primitive })
             }
             None => Outcome::Escaped(direction),
-        }
+        };
+        (outcome, ())
     }
 
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Line> {

@@ -51,14 +51,15 @@ impl Errand for Trailing<'_> {
 
 fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
     let (mut points, mut heading) = (vec![ray.position], ray.direction);
-    let shot = follow(transport, geometry, ray, &Halt::default(), |flight, step, found, landing| {
-        // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
-        let taken = landing.is_some() || found.is_none();
-        if let Some(course) = transport.course(flight, step).filter(|_| taken) {
-            extend(&mut points, &course, landing.map(|landing| landing.position));
-            heading = landing.map_or(course.heading(), |landing| landing.direction);
-        }
-    });
+    let (shot, _) =
+        follow(transport, geometry, &ray.start(), &Halt::default(), |flight, step, found, landing| {
+            // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
+            let taken = landing.is_some() || found.is_none();
+            if let Some(course) = transport.course(flight, step).filter(|_| taken) {
+                extend(&mut points, &course, landing.map(|landing| landing.position));
+                heading = landing.map_or(course.heading(), |landing| landing.direction);
+            }
+        });
     Trail { points, heading, end: shot.end }
 }
 

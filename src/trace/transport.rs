@@ -4,6 +4,7 @@
 //! what was found decides how the flight goes on. Straight rays are one move long.
 
 use std::convert::Infallible;
+use std::fmt::Debug;
 
 use glam::DVec3;
 
@@ -54,17 +55,17 @@ impl<Flight> Outcome<Flight> {
     }
 }
 
-/// Where a ray starts.
+/// Where a ray starts, and what it [carries](Transport::Carried).
 #[derive(Clone, Copy, Debug)]
-pub struct Start {
-    /// Lane of the ray.
-    pub lane: usize,
+pub struct Start<C = ()> {
     /// World position.
     pub position: DVec3,
     /// Unit direction in the static frame.
     pub direction: DVec3,
     /// The primitive it lies on.
     pub leaves: PrimitiveId,
+    /// What the ray carries from there.
+    pub carried: C,
 }
 
 /// Rays of a wavefront after a move.
@@ -93,14 +94,23 @@ pub trait Transport: Sync + Sized {
     type Segment: SideBySide;
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
+    /// State of a ray beside place and direction that passes from its start to its end, and on to the rays that start
+    /// there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither memory nor time. Rays of
+    /// the camera and of lamps start with the default.
+    type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
 
-    /// A ray that starts at `position` (world) in the unit `direction`, on the primitive `leaves`.
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Self::Flight;
+    /// A ray that starts.
+    fn launch(&self, start: &Start<Self::Carried>) -> Self::Flight;
 
     /// Launches rays into their lanes.
-    fn launch_all(&self, starts: &[Start], flights: &mut Columns<Self::Flight>, _: &mut Self::Scratch) {
-        for start in starts {
-            flights.set(start.lane, self.launch(start.position, start.direction, start.leaves));
+    fn launch_all(
+        &self,
+        starts: &[(usize, Start<Self::Carried>)],
+        flights: &mut Columns<Self::Flight>,
+        _: &mut Self::Scratch,
+    ) {
+        for (lane, start) in starts {
+            flights.set(*lane, self.launch(start));
         }
     }
 
@@ -127,28 +137,28 @@ pub trait Transport: Sync + Sized {
         queries: &mut [<Query<Self::Segment> as Row>::Block],
     );
 
-    /// What becomes of the ray, given what the search found; without `geometry` a landing is on what was searched rather
-    /// than on the ray itself.
+    /// Outcome of a move and what the ray carries there, given what the search found; without `geometry` a landing is on
+    /// what was searched rather than on the ray itself.
     fn settle(
         &self,
         geometry: Option<&Geometry>,
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<Self::Flight>;
+    ) -> (Outcome<Self::Flight>, Self::Carried);
 
-    /// Moves all rays that fly on, and tells `end` of the others, by lane.
+    /// Moves all rays that fly on, and tells `end` of the others, by lane, with what they carry there.
     fn settle_all(
         &self,
         moved: Moved<Self>,
         _: &mut Self::Scratch,
-        mut end: impl FnMut(usize, Outcome<Self::Flight>),
+        mut end: impl FnMut(usize, Outcome<Self::Flight>, Self::Carried),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         for (lane, (&found, &exactly)) in found.iter().zip(exactly).enumerate() {
             match self.settle(exactly.then_some(geometry), &flights.get(lane), &moves.get(lane), found) {
-                Outcome::Flying(next) => flights.set(lane, next),
-                outcome => end(lane, outcome),
+                (Outcome::Flying(next), _) => flights.set(lane, next),
+                (outcome, carried) => end(lane, outcome, carried),
             }
         }
     }

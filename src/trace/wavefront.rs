@@ -29,6 +29,10 @@ pub struct Wavefront<T: Transport> {
     paths: Columns<Path>,
     /// Empty without light sampling.
     vertices: Columns<Vertex>,
+    /// What rays carry where their paths were scattered last.
+    carried: Vec<T::Carried>,
+    /// What rays carry where they ended in this round.
+    arrived: Vec<T::Carried>,
     /// Whether it matters where exactly a ray lands.
     exactly: Vec<bool>,
     draws: Draws,
@@ -37,14 +41,14 @@ pub struct Wavefront<T: Transport> {
     /// Lanes in use.
     live: usize,
     capacity: usize,
-    events: Events,
+    events: Events<T::Carried>,
 }
 
 /// What happened in a round, as lists of lanes.
 #[derive(Default)]
-struct Events {
+struct Events<C> {
     /// Rays to be launched.
-    starts: Vec<Start>,
+    starts: Vec<(usize, Start<C>)>,
     landed: Vec<(usize, Landing)>,
     /// Light rays that ended, at their target or not.
     lit: Vec<(usize, bool)>,
@@ -65,6 +69,8 @@ impl<T: Transport> Wavefront<T> {
             moves: Columns::default(),
             paths: Columns::default(),
             vertices: Columns::default(),
+            carried: Vec::new(),
+            arrived: Vec::new(),
             exactly: Vec::new(),
             draws: Draws::default(),
             search: Search::default(),
@@ -128,6 +134,8 @@ impl<T: Transport> Wavefront<T> {
         self.moves.resize(lanes);
         self.paths.resize(lanes);
         self.vertices.resize(if has_vertices { lanes } else { 0 });
+        self.carried.resize(lanes, T::Carried::default());
+        self.arrived.resize(lanes, T::Carried::default());
         self.exactly.resize(lanes, true);
     }
 
@@ -147,7 +155,9 @@ impl<T: Transport> Wavefront<T> {
                 self.vertices.set(lane, Vertex::default());
             }
             self.exactly[lane] = true;
-            self.events.starts.push(Start { lane, position, direction, leaves: PrimitiveId::NONE });
+            let carried = T::Carried::default();
+            let start = Start { position, direction, leaves: PrimitiveId::NONE, carried };
+            self.events.starts.push((lane, start));
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
         }
         self.live += free;
@@ -168,7 +178,7 @@ impl<T: Transport> Wavefront<T> {
         let lit = |vertices: &Columns<Vertex>, lane: usize| {
             job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
         };
-        let Self { flights, moves, vertices, search, exactly, live, events, scratch, .. } = self;
+        let Self { flights, moves, vertices, arrived, search, exactly, live, events, scratch, .. } = self;
         // Only lights without extent are passed.
         if let Some(illumination) = job.illumination.as_ref().filter(|i| i.lights.has_points()) {
             for lane in (0..*live).filter(|&lane| vertices.get(lane).is_lit) {
@@ -182,43 +192,48 @@ impl<T: Transport> Wavefront<T> {
         let fates = &mut counters.fates;
         let geometry = &job.scene.geometry;
         let (found, exactly) = (&search.found[..*live], &exactly[..*live]);
-        transport.settle_all(Moved { geometry, flights, moves, found, exactly }, scratch, |lane, outcome| {
-            if let Some(illumination) = lit(vertices, lane) {
-                if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
+        transport.settle_all(
+            Moved { geometry, flights, moves, found, exactly },
+            scratch,
+            |lane, outcome, carried| {
+                arrived[lane] = carried;
+                if let Some(illumination) = lit(vertices, lane) {
+                    if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
+                        return;
+                    }
+                    match light::conclude(illumination, &vertices.get(lane), outcome) {
+                        Progress::Flying(_) => {}
+                        Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
+                        Progress::Landed(landing) => events.bent.push((lane, landing)),
+                        Progress::Escaped(direction) => events.gone.push((lane, direction)),
+                    }
                     return;
                 }
-                match light::conclude(illumination, &vertices.get(lane), outcome) {
-                    Progress::Flying(_) => {}
-                    Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
-                    Progress::Landed(landing) => events.bent.push((lane, landing)),
-                    Progress::Escaped(direction) => events.gone.push((lane, direction)),
+                match outcome {
+                    Outcome::Flying(_) => {}
+                    Outcome::Landed(landing) => {
+                        fates.hit += 1;
+                        events.landed.push((lane, landing));
+                    }
+                    Outcome::Escaped(direction) => {
+                        fates.escaped += 1;
+                        events.escaped.push((lane, direction));
+                    }
+                    Outcome::Captured => {
+                        fates.captured += 1;
+                        events.ended.push((lane, Fate::Captured));
+                    }
+                    Outcome::StepLimit => {
+                        fates.step_limit += 1;
+                        events.ended.push((lane, Fate::StepLimit));
+                    }
+                    Outcome::NonFinite => {
+                        fates.non_finite += 1;
+                        events.ended.push((lane, Fate::NonFinite));
+                    }
                 }
-                return;
-            }
-            match outcome {
-                Outcome::Flying(_) => {}
-                Outcome::Landed(landing) => {
-                    fates.hit += 1;
-                    events.landed.push((lane, landing));
-                }
-                Outcome::Escaped(direction) => {
-                    fates.escaped += 1;
-                    events.escaped.push((lane, direction));
-                }
-                Outcome::Captured => {
-                    fates.captured += 1;
-                    events.ended.push((lane, Fate::Captured));
-                }
-                Outcome::StepLimit => {
-                    fates.step_limit += 1;
-                    events.ended.push((lane, Fate::StepLimit));
-                }
-                Outcome::NonFinite => {
-                    fates.non_finite += 1;
-                    events.ended.push((lane, Fate::NonFinite));
-                }
-            }
-        });
+            },
+        );
     }
 
     /// Records moves for the planes that want them.
@@ -259,7 +274,8 @@ impl<T: Transport> Wavefront<T> {
             match light::bend(job, &mut path, &mut vertex, &landing) {
                 Some(direction) => {
                     let Landing { position, primitive: leaves, .. } = landing;
-                    self.events.starts.push(Start { lane, position, direction, leaves });
+                    let carried = self.arrived[lane];
+                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
                 }
                 None => self.events.lit.push((lane, false)),
             }
@@ -282,7 +298,8 @@ impl<T: Transport> Wavefront<T> {
                 Some(direction) => {
                     let Vertex { position, leaves, .. } = vertex;
                     self.exactly[lane] = true;
-                    self.events.starts.push(Start { lane, position, direction, leaves });
+                    let carried = self.carried[lane];
+                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
                     counters.rays += 1;
                 }
                 None => self.events.finished.push(lane),
@@ -306,7 +323,9 @@ impl<T: Transport> Wavefront<T> {
                 Some(direction) => {
                     let Landing { position, primitive: leaves, .. } = landing;
                     self.exactly[lane] = !vertex.is_lit || light::lands_exactly(&vertex);
-                    self.events.starts.push(Start { lane, position, direction, leaves });
+                    let carried = self.arrived[lane];
+                    self.carried[lane] = carried;
+                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
                     counters.count_ray(vertex.is_lit);
                 }
                 None => self.events.finished.push(lane),
@@ -327,6 +346,7 @@ impl<T: Transport> Wavefront<T> {
             self.live -= 1;
             self.paths.set(lane, self.paths.get(self.live));
             self.flights.set(lane, self.flights.get(self.live));
+            self.carried[lane] = self.carried[self.live];
             self.exactly[lane] = self.exactly[self.live];
             if !self.vertices.is_empty() {
                 self.vertices.set(lane, self.vertices.get(self.live));

@@ -290,22 +290,28 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     type Move = CurvedMove<R>;
     type Segment = Arc;
     type Scratch = Scratch<R>;
+    type Carried = ();
 
-    fn launch(&self, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> CurvedFlight<R> {
+    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> CurvedFlight<R> {
         Launching::of(self).run(&Place { position, direction, leaves }, &())
     }
 
-    fn launch_all(&self, starts: &[Start], flights: &mut Columns<CurvedFlight<R>>, scratch: &mut Scratch<R>) {
+    fn launch_all(
+        &self,
+        starts: &[(usize, Start)],
+        flights: &mut Columns<CurvedFlight<R>>,
+        scratch: &mut Scratch<R>,
+    ) {
         let Scratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
         places.gather(lanes, |i| {
-            let Start { position, direction, leaves, .. } = starts[i];
+            let (_, Start { position, direction, leaves, carried: () }) = starts[i];
             Place { position, direction, leaves }
         });
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
-        for (i, start) in starts.iter().enumerate() {
-            flights.set(start.lane, launched.get(i));
+        for (i, &(lane, _)) in starts.iter().enumerate() {
+            flights.set(lane, launched.get(i));
         }
     }
 
@@ -350,18 +356,19 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         flight: &Self::Flight,
         step: &Self::Move,
         found: Option<Found>,
-    ) -> Outcome<CurvedFlight<R>> {
-        match found {
+    ) -> (Outcome<CurvedFlight<R>>, ()) {
+        let outcome = match found {
             Some(found) => Outcome::Landed(self.landing(geometry, flight, step, found)),
             None => self.outcome(&Onward(self).run(flight, step)),
-        }
+        };
+        (outcome, ())
     }
 
     fn settle_all(
         &self,
         moved: Moved<Self>,
         scratch: &mut Scratch<R>,
-        mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>),
+        mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>, ()),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let Scratch { polishing, touches, .. } = scratch;
@@ -374,16 +381,16 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             let hits = if stays { &mut touches.hits } else { &mut polishing.hits };
             hits.push((lane, found));
         }
-        self.touch_all(flights, moves, touches, |lane, landing| end(lane, Outcome::Landed(landing)));
+        self.touch_all(flights, moves, touches, |lane, landing| end(lane, Outcome::Landed(landing), ()));
         self.polish_all(geometry, flights, moves, polishing, |lane, landing| {
-            end(lane, Outcome::Landed(landing));
+            end(lane, Outcome::Landed(landing), ());
         });
         // Those that landed go on as well, to nowhere.
         update(&Onward(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
             if flights.get(lane).turn != Turn::Flies && found.is_none() {
-                end(lane, self.outcome(&flights.get(lane)));
+                end(lane, self.outcome(&flights.get(lane)), ());
             }
         }
     }

@@ -89,7 +89,7 @@ pub enum Progress<Flight> {
     Escaped(DVec3),
 }
 
-/// Where a light ray stands after a move.
+/// Where a light ray stands after a move, and what it carries there.
 #[inline]
 pub fn settle<T: Transport>(
     job: &Job,
@@ -97,12 +97,13 @@ pub fn settle<T: Transport>(
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
-) -> Progress<T::Flight> {
+) -> (Progress<T::Flight>, T::Carried) {
     if passes_its_light(illumination, transport, (flight, step, found), vertex) {
-        return Progress::Ended(true);
+        return (Progress::Ended(true), T::Carried::default());
     }
     let geometry = lands_exactly(vertex).then_some(&job.scene.geometry);
-    conclude(illumination, vertex, transport.settle(geometry, flight, step, found))
+    let (outcome, carried) = transport.settle(geometry, flight, step, found);
+    (conclude(illumination, vertex, outcome), carried)
 }
 
 /// Whether it matters where exactly a light ray lands: where it goes on from there.
