@@ -11,6 +11,7 @@ mod fate;
 mod flock;
 mod halt;
 mod illumination;
+mod land_on_ray;
 mod paper;
 mod path;
 mod per_pixel;
