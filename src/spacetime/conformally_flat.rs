@@ -8,7 +8,7 @@ use crate::math::real::Real;
 ///
 /// Its null rays are those of an optical medium of index n = Ψ/N, a function of the inverse isotropic radius w = 1/ρ.
 /// n is analytic at w = 0, where it is 1.
-pub trait ConformallyFlat: Copy + Send + Sync {
+pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// n² at the inverse radius `w`.
     fn index_squared<R: Real>(&self, w: R) -> R;
 

@@ -135,7 +135,7 @@ pub trait SpacetimeVisitor {
     fn flat(self) -> Self::Output;
 
     /// In a static, spherical spacetime about `center`.
-    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> Self::Output;
+    fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output;
 }
 
 /// A spacetime's entry in the table of all.

@@ -222,7 +222,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
         Ok(A::straight(straight(self.x, self.ray)))
     }
 
-    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> Self::Output {
+    fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output {
         curved(&medium, self.x, center, self.ray, self.accuracy)
     }
 }

@@ -45,7 +45,7 @@ impl<E: Errand> SpacetimeVisitor for Choice<'_, E> {
         self.errand.run(&Straight::new(self.scene.geometry.bounds()))
     }
 
-    fn spherical<M: ConformallyFlat + 'static>(self, center: DVec3, medium: M) -> E::Output {
+    fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
         let Self { scene, core, sky, errand } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
         // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
@@ -68,7 +68,7 @@ struct Place<M> {
     chart: Chart,
 }
 
-impl<M: ConformallyFlat + 'static> Place<M> {
+impl<M: ConformallyFlat> Place<M> {
     fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
         match self.curved::<R>(scene) {
             Some(curved) => errand.run(&curved),

@@ -10,6 +10,7 @@ mod fate;
 mod halt;
 mod illumination;
 mod job;
+mod land_on_ray;
 mod learn;
 mod paper;
 mod passes;

@@ -134,7 +134,7 @@ impl Kernel for Asking {
     }
 }
 
-impl<M: ConformallyFlat + 'static> Transport for PaperMarch<M> {
+impl<M: ConformallyFlat> Transport for PaperMarch<M> {
     type Flight = PaperFlight;
     type Move = PaperMove;
     type Segment = Line;

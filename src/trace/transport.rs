@@ -198,3 +198,167 @@ pub trait Errand {
     /// Does it.
     fn run<T: Transport>(self, transport: &T) -> Self::Output;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Line, Need, Primitives, Sphere, Surface};
+    use crate::math::columns::{LANES, columns, plain_field};
+    use crate::math::kernel::{NOTHING, map};
+    use crate::trace::halt::Halt;
+    use crate::trace::ray_batch::RayBatch;
+    use crate::trace::shoot::follow;
+    use crate::trace::straight::{Straight, StraightMove};
+
+    /// The half of a room with a door in the plane x = 0.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub enum Side {
+        /// x < 0.
+        #[default]
+        Near,
+        /// x > 0.
+        Far,
+    }
+
+    plain_field!(Side);
+
+    columns! {
+        /// A straight ray on its side.
+        pub struct SidedFlight => SidedFlightBlock {
+            /// World start.
+            position: DVec3,
+            /// Unit direction.
+            direction: DVec3,
+            /// What it starts on.
+            leaves: PrimitiveId,
+            /// Where it starts.
+            side: Side,
+        }
+    }
+
+    /// Straight rays that know the side they are on.
+    struct Sided(Straight);
+
+    impl Sided {
+        fn straight(&self, flight: &SidedFlight) -> <Straight as Transport>::Flight {
+            let &SidedFlight { position, direction, leaves, .. } = flight;
+            self.0.launch(&Start { position, direction, leaves, carried: () })
+        }
+    }
+
+    impl Transport for Sided {
+        type Flight = SidedFlight;
+        type Move = StraightMove;
+        type Segment = Line;
+        type Scratch = ();
+        type Carried = Side;
+
+        type Aim = crate::light::Straight;
+
+        fn aim(&self, _: u32) -> Option<Self::Aim> {
+            None
+        }
+
+        fn launch(&self, start: &Start<Side>) -> SidedFlight {
+            let &Start { position, direction, leaves, carried: side } = start;
+            SidedFlight { position, direction, leaves, side }
+        }
+
+        fn advance(&self, flight: &SidedFlight) -> StraightMove {
+            self.0.advance(&self.straight(flight))
+        }
+
+        fn advance_all(
+            &self,
+            flights: &[<SidedFlight as Row>::Block],
+            moves: &mut [<StraightMove as Row>::Block],
+        ) {
+            map(&Advancing(self), flights, NOTHING, moves);
+        }
+
+        fn search(
+            &self,
+            flight: &SidedFlight,
+            step: &StraightMove,
+            search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
+        ) -> Option<Found> {
+            self.0.search(&self.straight(flight), step, search)
+        }
+
+        fn queries_all(
+            &self,
+            flights: &[<SidedFlight as Row>::Block],
+            moves: &[<StraightMove as Row>::Block],
+            queries: &mut [<Query<Line> as Row>::Block],
+        ) {
+            for ((flights, moves), queries) in flights.iter().zip(moves).zip(queries) {
+                for lane in 0..LANES {
+                    let SidedFlight { position: p0, leaves, .. } = Row::get(flights, lane);
+                    let StraightMove { end: p2 } = Row::get(moves, lane);
+                    let query = Query { segment: Line { p0, p2 }, leaves, need: Need::Whole };
+                    Query::set(queries, lane, query);
+                }
+            }
+        }
+
+        fn settle(
+            &self,
+            geometry: Option<&Geometry>,
+            flight: &SidedFlight,
+            step: &StraightMove,
+            found: Option<Found>,
+        ) -> (Outcome<SidedFlight>, Side) {
+            let (outcome, ()) = self.0.settle(geometry, &self.straight(flight), step, found);
+            let end = found.map_or(step.end, |found| found.point);
+            let side = match (flight.side, flight.position.x * end.x < 0.0) {
+                (side, false) => side,
+                (Side::Near, true) => Side::Far,
+                (Side::Far, true) => Side::Near,
+            };
+            let outcome = match outcome {
+                Outcome::Landed(landing) => Outcome::Landed(landing),
+                Outcome::Escaped(direction) => Outcome::Escaped(direction),
+                other => panic!("{other:?} of a straight ray"),
+            };
+            (outcome, side)
+        }
+
+        fn course(&self, flight: &SidedFlight, step: &StraightMove) -> Option<Line> {
+            self.0.course(&self.straight(flight), step)
+        }
+
+        fn length(&self, flight: &SidedFlight, step: &StraightMove, point: Option<DVec3>) -> f64 {
+            self.0.length(&self.straight(flight), step, point)
+        }
+    }
+
+    #[test]
+    fn a_ray_that_starts_where_another_landed_carries_on_with_its_side() {
+        let sphere =
+            |x| (Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 }, Surface { material: 0, entity: 0 });
+        let spheres = vec![sphere(-5.0), sphere(5.0)];
+        let geometry = Geometry::build(Primitives { spheres, ..Primitives::default() });
+        let (sided, halt) = (Sided(Straight::new(geometry.bounds())), Halt::default());
+        let start = Start {
+            position: DVec3::new(-3.0, 0.0, 0.0),
+            direction: DVec3::X,
+            leaves: PrimitiveId::NONE,
+            carried: Side::Near,
+        };
+        let mut flock = RayBatch::default();
+        let mut fly = |start: &Start<Side>| {
+            let (shot, side) = follow(&sided, &geometry, start, &halt, |_, _, _, _| {});
+            let mut ends = Vec::new();
+            flock.follow(&sided, &geometry, &[*start], &halt, &mut ends);
+            assert_eq!(ends, [(shot.end, side)]);
+            let Outcome::Landed(Landing { position, direction, primitive: leaves }) = shot.end else {
+                panic!("{:?}", shot.end)
+            };
+            Start { position, direction: -direction, leaves, carried: side }
+        };
+        let there = fly(&start);
+        assert_eq!((there.position.x, there.carried), (4.0, Side::Far));
+        let back = fly(&there);
+        assert_eq!((back.position.x, back.carried), (-4.0, Side::Near));
+    }
+}

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::onward::Turn;
+use super::commit_step::Turn;
 use super::{Curved, CurvedFlight, Lane};
 use crate::geodesic::{Launch, Phase};
 use crate::geometry::PrimitiveId;

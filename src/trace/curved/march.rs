@@ -2,7 +2,7 @@
 //! that everything else is compiled once.
 
 use super::super::steppers::{UseStepper, with_stepper};
-use super::polish::{Aim, Pose, Span};
+use super::span::Span;
 use super::{CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow};
 use crate::math::columns::Row;
@@ -10,6 +10,7 @@ use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
+use crate::trace::land_on_ray::{Part, Pose};
 
 /// A stepper at work in a spacetime.
 pub trait March<R: Lane>: Send + Sync {
@@ -26,15 +27,15 @@ pub trait March<R: Lane>: Send + Sync {
         moves: &mut [<CurvedMove<R> as Row>::Block],
     );
 
-    /// Where a part of a step leads.
-    fn pose(&self, span: &Span<R>, aim: &Aim) -> Pose<R>;
+    /// Pose after a part of a step.
+    fn pose(&self, span: &Span<R>, part: &Part) -> Pose;
 
-    /// The same for blocks.
+    /// Poses after parts of blocks of steps.
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        aims: &[<Aim as Row>::Block],
-        poses: &mut [<Pose<R> as Row>::Block],
+        parts: &[<Part as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
     );
 
     /// Follows a ray to infinity.
@@ -42,7 +43,7 @@ pub trait March<R: Lane>: Send + Sync {
 }
 
 /// The march by `stepper`; `None` for the paper's scheme, which is a transport of its own.
-pub fn march<M: ConformallyFlat + 'static, R: Lane>(
+pub fn march<M: ConformallyFlat, R: Lane>(
     medium: M,
     stepper: StepperKind,
     control: Control<R>,
@@ -61,7 +62,7 @@ struct Held<M, R> {
     outer: R,
 }
 
-impl<M: ConformallyFlat + 'static, R: Lane> UseStepper for Held<M, R> {
+impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
     type Output = Box<dyn March<R>>;
 
     fn with(self, stepper: impl Stepper + 'static) -> Box<dyn March<R>> {
@@ -119,12 +120,12 @@ struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
 
 impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     type A = Span<R>;
-    type B = Aim;
-    type Out = Pose<R>;
+    type B = Part;
+    type Out = Pose;
 
     #[inline(always)]
-    fn run(&self, span: &Span<R>, aim: &Aim) -> Pose<R> {
-        span.pose(&self.0.held.medium, &self.0.stepper, aim)
+    fn run(&self, span: &Span<R>, part: &Part) -> Pose {
+        span.pose(&self.0.held.medium, &self.0.stepper, part)
     }
 }
 
@@ -145,17 +146,17 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
         map_full::<R, _>(self, flights, NOTHING, moves);
     }
 
-    fn pose(&self, span: &Span<R>, aim: &Aim) -> Pose<R> {
-        Posing(self).run(span, aim)
+    fn pose(&self, span: &Span<R>, part: &Part) -> Pose {
+        Posing(self).run(span, part)
     }
 
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        aims: &[<Aim as Row>::Block],
-        poses: &mut [<Pose<R> as Row>::Block],
+        parts: &[<Part as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
     ) {
-        map(&Posing(self), spans, aims, poses);
+        map(&Posing(self), spans, parts, poses);
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R> {

@@ -1,13 +1,14 @@
 //! Curved rays: orbits stepped under error control, searched as arcs.
 
+mod commit_step;
+mod land_on_arc;
 mod launch;
 pub mod march;
-mod onward;
-mod polish;
-mod touch;
+mod span;
 
 use glam::DVec3;
 
+use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, Control, End, Phase, PlaneArc};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
@@ -16,11 +17,11 @@ use crate::math::columns::{Columns, Field, LANES, Row, columns, plain_field};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::math::real::Real;
 use crate::spacetime::{Chart, ConformallyFlat, Fate};
+use commit_step::{Committing, Turn};
+use land_on_arc::ArcLandings;
 use launch::{Launching, Place};
 use march::{March, keeps_outside};
-use onward::{Onward, Turn};
-use polish::Polishing;
-use touch::Touches;
+use span::Span;
 
 /// A number that columns can hold.
 pub trait Lane: Real + Field<Block<LANES>: Send> {}
@@ -245,8 +246,8 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         found: Found,
     ) -> Landing {
         match geometry {
-            Some(geometry) if !step.is_close => self.polish(geometry, flight, step, found),
-            _ => self.touch(flight, step, found),
+            Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
+            _ => self.land_on_arc(flight, step, found),
         }
     }
 
@@ -282,11 +283,11 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
 pub struct Scratch<R: Lane> {
     starts: Columns<Place>,
     launched: Columns<CurvedFlight<R>>,
-    polishing: Polishing<R>,
-    touches: Touches,
+    on_rays: RayLandings<Span<R>>,
+    on_arcs: ArcLandings,
 }
 
-impl<M: ConformallyFlat + 'static, R: Lane> Transport for Curved<M, R> {
+impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     type Flight = CurvedFlight<R>;
     type Move = CurvedMove<R>;
     type Segment = Arc;
@@ -365,7 +366,7 @@ impl<M: ConformallyFlat + 'static, R: Lane> Transport for Curved<M, R> {
     ) -> (Outcome<CurvedFlight<R>>, ()) {
         let outcome = match found {
             Some(found) => Outcome::Landed(self.landing(geometry, flight, step, found)),
-            None => self.outcome(&Onward(self).run(flight, step)),
+            None => self.outcome(&Committing(self).run(flight, step)),
         };
         (outcome, ())
     }
@@ -377,22 +378,24 @@ impl<M: ConformallyFlat + 'static, R: Lane> Transport for Curved<M, R> {
         mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>, ()),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let Scratch { polishing, touches, .. } = scratch;
+        let Scratch { on_rays, on_arcs, .. } = scratch;
         let lanes = found.len();
-        polishing.hits.clear();
-        touches.hits.clear();
+        on_rays.hits.clear();
+        on_arcs.hits.clear();
         for (lane, found) in found.iter().enumerate() {
             let Some(found) = *found else { continue };
             let stays = !exactly[lane] || moves.get(lane).is_close;
-            let hits = if stays { &mut touches.hits } else { &mut polishing.hits };
+            let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
             hits.push((lane, found));
         }
-        self.touch_all(flights, moves, touches, |lane, landing| end(lane, Outcome::Landed(landing), ()));
-        self.polish_all(geometry, flights, moves, polishing, |lane, landing| {
+        self.land_all_on_arcs(flights, moves, on_arcs, |lane, landing| {
+            end(lane, Outcome::Landed(landing), ())
+        });
+        land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {
             end(lane, Outcome::Landed(landing), ());
         });
         // Those that landed go on as well, to nowhere.
-        update(&Onward(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
             if flights.get(lane).turn != Turn::Flies && found.is_none() {

@@ -1,4 +1,4 @@
-//! Landings where arcs are met that stand for their rays.
+//! Landings on the arc that was searched, where it is as good as the ray.
 
 use glam::DVec3;
 
@@ -19,17 +19,17 @@ columns! {
 }
 
 columns! {
-    /// The way of an arc.
+    /// Direction of an arc.
     pub struct Heading => HeadingBlock {
         /// Unit vector.
         direction: DVec3,
     }
 }
 
-/// Which way an arc goes beside a point.
-pub struct Touching;
+/// Direction of an arc beside a point.
+pub struct Directing;
 
-impl Kernel for Touching {
+impl Kernel for Directing {
     type A = Arc;
     type B = Beside;
     type Out = Heading;
@@ -41,9 +41,9 @@ impl Kernel for Touching {
     }
 }
 
-/// Hits to be taken where they are. Its memory is used again from round to round.
+/// Hits to be taken where the arcs meet them. Its memory is used again from round to round.
 #[derive(Default)]
-pub struct Touches {
+pub struct ArcLandings {
     /// Lanes and what they meet.
     pub hits: Vec<(usize, Found)>,
     arcs: Columns<Arc>,
@@ -52,27 +52,32 @@ pub struct Touches {
 }
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
-    /// Where a ray lands that stays on its arc.
-    pub(super) fn touch(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, found: Found) -> Landing {
+    /// Landing of a ray that stays on its arc.
+    pub(super) fn land_on_arc(
+        &self,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+        found: Found,
+    ) -> Landing {
         let Found { point: position, primitive } = found;
-        let Heading { direction } = Touching.run(&self.arc(flight, step), &Beside { point: position });
+        let Heading { direction } = Directing.run(&self.arc(flight, step), &Beside { point: position });
         Landing { position, direction, primitive }
     }
 
-    /// The same for many, lane beside lane; `each` is told where the ray of a lane lands.
-    pub(super) fn touch_all(
+    /// [`Self::land_on_arc`] for many, lane beside lane; `each` is told where the ray of a lane lands.
+    pub(super) fn land_all_on_arcs(
         &self,
         flights: &Columns<CurvedFlight<R>>,
         moves: &Columns<CurvedMove<R>>,
-        touches: &mut Touches,
+        landings: &mut ArcLandings,
         mut each: impl FnMut(usize, Landing),
     ) {
-        let Touches { hits, arcs, points, headings } = touches;
+        let ArcLandings { hits, arcs, points, headings } = landings;
         let lanes = hits.len();
         arcs.gather(lanes, |i| self.arc(&flights.get(hits[i].0), &moves.get(hits[i].0)));
         points.gather(lanes, |i| Beside { point: hits[i].1.point });
         headings.resize(lanes);
-        map(&Touching, arcs.blocks(lanes), points.blocks(lanes), headings.blocks_mut(lanes));
+        map(&Directing, arcs.blocks(lanes), points.blocks(lanes), headings.blocks_mut(lanes));
         for (i, &(lane, Found { point: position, primitive })) in hits.iter().enumerate() {
             each(lane, Landing { position, direction: headings.get(i).direction, primitive });
         }

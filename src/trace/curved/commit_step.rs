@@ -1,4 +1,4 @@
-//! From the end of a step that met nothing to the start of the next.
+//! Committing a step that met nothing: from its end to the start of the next.
 
 use super::{Curved, CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::Phase;
@@ -28,10 +28,10 @@ plain_field!(Turn);
 /// Most steps of one ray: two orders of magnitude above what rays with several windings take.
 const MAX_STEPS: u32 = 10_000;
 
-/// Takes rays on that met nothing: to the end of a step that is good enough, or else to a shorter step.
-pub struct Onward<'a, M, R>(pub &'a Curved<M, R>);
+/// Commits the steps of rays that met nothing: to the end of a step that is good enough, or else to a shorter step.
+pub struct Committing<'a, M, R>(pub &'a Curved<M, R>);
 
-impl<M: ConformallyFlat, R: Lane> Kernel for Onward<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane> Kernel for Committing<'_, M, R> {
     type A = CurvedFlight<R>;
     type B = CurvedMove<R>;
     type Out = CurvedFlight<R>;
@@ -70,7 +70,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Onward<'_, M, R> {
     }
 }
 
-impl<M: ConformallyFlat, R: Lane> Onward<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane> Committing<'_, M, R> {
     #[inline(always)]
     fn turn(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> Turn {
         // The next step must be finite and not vanish; a state lost for good is reported.

@@ -1,0 +1,299 @@
+//! Landings on the ray itself: from where a move's segment meets a surface to where the ray arrives there.
+//!
+//! A transport whose segments only come near its rays repeats the step in part, until Newton's method has found the part
+//! that ends on the surface.
+
+use glam::DVec3;
+
+use super::transport::{Landing, Transport};
+use crate::geometry::{Carrier, Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment};
+use crate::math::columns::{Columns, LANES, Row, columns};
+use crate::math::kernel::{Kernel, map};
+
+/// A transport that can repeat a step in part, in coordinates of its own.
+pub trait Retrace: Transport {
+    /// A step, of which parts are wanted.
+    type Span: Row;
+
+    /// Step that a ray took.
+    fn span(&self, flight: &Self::Flight, step: &Self::Move) -> Self::Span;
+
+    /// Guess which part of a step leads to `point` (world), in [0, 1].
+    fn part_near(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> f64;
+
+    /// Pose after a part of a step.
+    fn pose(&self, span: &Self::Span, part: &Part) -> Pose;
+
+    /// Poses after parts of blocks of steps.
+    fn pose_all(
+        &self,
+        spans: &[<Self::Span as Row>::Block],
+        parts: &[<Part as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    );
+
+    /// Largest error of a ray's direction, radians.
+    fn tolerance(&self) -> f64;
+
+    /// Largest distance between a move's segment and the ray.
+    fn segment_tolerance(&self) -> f64;
+}
+
+columns! {
+    /// The part of a step that leads near a carrier.
+    pub struct Part => PartBlock {
+        /// The part.
+        s: f64,
+        /// Whether it leads so near that no step is needed for the rest.
+        is_near: bool,
+    }
+}
+
+columns! {
+    /// A ray after a part of a step.
+    pub struct Pose => PoseBlock {
+        /// World position.
+        position: DVec3,
+        /// Unit tangent.
+        tangent: DVec3,
+        /// Unit vector across it, towards which the ray bends.
+        bend: DVec3,
+        /// Curvature.
+        curvature: f64,
+        /// Inverse length over which the spacetime changes: the inverse radius.
+        inverse_scale: f64,
+        /// Distance over the part of the step.
+        speed: f64,
+        /// The part.
+        s: f64,
+    }
+}
+
+columns! {
+    /// Where a ray arrives at a carrier.
+    pub struct Arrival => ArrivalBlock {
+        /// World position.
+        position: DVec3,
+        /// Unit direction of travel.
+        direction: DVec3,
+        /// Part of the step.
+        s: f64,
+    }
+}
+
+impl Pose {
+    /// Distance along the tangent to the carrier.
+    #[inline(always)]
+    fn ahead(&self, carrier: &Carrier) -> f64 {
+        let (height, normal) = carrier.height(self.position);
+        -height / normal.dot(self.tangent)
+    }
+}
+
+/// Most corrections of a part.
+const MOST_CORRECTIONS: u32 = 6;
+
+/// One correction by Newton's method of a part that is not near.
+struct Correcting {
+    /// Distance, relative to the scale, that a circle bridges as well as is asked for.
+    near: f64,
+}
+
+impl Correcting {
+    fn to(tolerance: f64) -> Self {
+        // A circle errs as the distance cubed.
+        Self { near: libm::cbrt(0.1 * tolerance) }
+    }
+}
+
+impl Kernel for Correcting {
+    type A = Carrier;
+    type B = Pose;
+    type Out = Part;
+
+    #[inline(always)]
+    fn run(&self, carrier: &Carrier, pose: &Pose) -> Part {
+        let ahead = pose.ahead(carrier);
+        let is_near = (ahead * pose.inverse_scale).abs() < self.near;
+        let shift = if is_near { 0.0 } else { ahead / pose.speed };
+        Part { s: pose.s + shift, is_near }
+    }
+}
+
+/// The end of the corrections: what is left is made up for along the circle that the ray is nearest to, then along its
+/// tangent.
+struct Arriving;
+
+impl Kernel for Arriving {
+    type A = Carrier;
+    type B = Pose;
+    type Out = Arrival;
+
+    #[inline(always)]
+    fn run(&self, carrier: &Carrier, pose: &Pose) -> Arrival {
+        let (tangent, ahead) = (pose.tangent, pose.ahead(carrier));
+        let turned = (ahead * pose.curvature) * pose.bend;
+        let position = pose.position + ahead * (tangent + 0.5 * turned);
+        let (height, normal) = carrier.height(position);
+        let direction = tangent + turned;
+        let direction = direction / direction.length();
+        let position = position - (height / normal.dot(direction)) * direction;
+        Arrival { position, direction, s: pose.s + ahead / pose.speed }
+    }
+}
+
+/// Landings to be moved onto their rays. Its memory is used again from round to round.
+pub struct RayLandings<S: Row> {
+    /// Lanes and what they meet.
+    pub hits: Vec<(usize, Found)>,
+    spans: Columns<S>,
+    carriers: Columns<Carrier>,
+    parts: Columns<Part>,
+    poses: Columns<Pose>,
+    arrivals: Columns<Arrival>,
+    between: Search<Line>,
+}
+
+impl<S: Row> Default for RayLandings<S> {
+    fn default() -> Self {
+        Self {
+            hits: Vec::new(),
+            spans: Columns::default(),
+            carriers: Columns::default(),
+            parts: Columns::default(),
+            poses: Columns::default(),
+            arrivals: Columns::default(),
+            between: Search::default(),
+        }
+    }
+}
+
+/// A step, the carrier that it meets, and the part of it where the segment says that is.
+#[inline(always)]
+fn approach<T: Retrace>(
+    transport: &T,
+    geometry: &Geometry,
+    (flight, step): (&T::Flight, &T::Move),
+    found: Found,
+) -> (T::Span, Carrier, Part) {
+    let s = transport.part_near(flight, step, found.point);
+    (transport.span(flight, step), geometry.carrier(found.primitive), Part { s, is_near: false })
+}
+
+/// Moves a crossing from the segment to the ray, where that stays on the primitive and beside nothing else.
+pub fn land_on_ray<T: Retrace>(
+    transport: &T,
+    geometry: &Geometry,
+    ray: (&T::Flight, &T::Move),
+    found: Found,
+) -> Landing {
+    let (span, carrier, part) = approach(transport, geometry, ray, found);
+    let mut pose = transport.pose(&span, &part);
+    let correcting = Correcting::to(transport.tolerance());
+    for _ in 0..MOST_CORRECTIONS {
+        let part = correcting.run(&carrier, &pose);
+        if part.is_near {
+            break;
+        }
+        pose = transport.pose(&span, &part);
+    }
+    let arrival = Arriving.run(&carrier, &pose);
+    let between = || first_between(geometry, found, &arrival);
+    land(transport, geometry, found, &arrival, || (*ray.0, *ray.1), between)
+}
+
+/// [`land_on_ray`] for many, lane beside lane; `each` is told where the ray of a lane lands.
+pub fn land_all_on_rays<T: Retrace>(
+    transport: &T,
+    geometry: &Geometry,
+    (flights, moves): (&Columns<T::Flight>, &Columns<T::Move>),
+    landings: &mut RayLandings<T::Span>,
+    mut each: impl FnMut(usize, Landing),
+) {
+    let RayLandings { hits, spans, carriers, parts, poses, arrivals, between } = landings;
+    let lanes = hits.len();
+    spans.resize(lanes);
+    carriers.resize(lanes);
+    parts.resize(lanes);
+    poses.resize(lanes);
+    arrivals.resize(lanes);
+    for (i, &(lane, found)) in hits.iter().enumerate() {
+        let ray = (&flights.get(lane), &moves.get(lane));
+        let (span, carrier, part) = approach(transport, geometry, ray, found);
+        spans.set(i, span);
+        carriers.set(i, carrier);
+        parts.set(i, part);
+    }
+    transport.pose_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
+    let correcting = Correcting::to(transport.tolerance());
+    for block in 0..lanes.div_ceil(LANES) {
+        let of = block..block + 1;
+        for _ in 0..MOST_CORRECTIONS {
+            let (part, pose) =
+                (&mut parts.blocks_mut(lanes)[of.clone()], &mut poses.blocks_mut(lanes)[of.clone()]);
+            map(&correcting, &carriers.blocks(lanes)[of.clone()], pose, part);
+            if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| Part::get(&part[0], i).is_near) {
+                break;
+            }
+            transport.pose_all(&spans.blocks(lanes)[of.clone()], part, pose);
+        }
+    }
+    map(&Arriving, carriers.blocks(lanes), poses.blocks(lanes), arrivals.blocks_mut(lanes));
+    between.queries.gather(lanes, |i| {
+        let Found { point, primitive } = hits[i].1;
+        let segment = Line { p0: point, p2: arrivals.get(i).position };
+        Query { segment, leaves: primitive, need: Need::Whole }
+    });
+    geometry.search_all(between, lanes);
+    for (i, &(lane, found)) in hits.iter().enumerate() {
+        let arrival = arrivals.get(i);
+        let ray = || (flights.get(lane), moves.get(lane));
+        let met = || between.found[i].map(|found| found.primitive);
+        each(lane, land(transport, geometry, found, &arrival, ray, met));
+    }
+}
+
+/// First primitive between where the segment meets a primitive and where the ray does.
+fn first_between(geometry: &Geometry, found: Found, arrival: &Arrival) -> Option<PrimitiveId> {
+    let way = Line { p0: found.point, p2: arrival.position };
+    geometry.intersect(&way, found.primitive).map(|hit| hit.primitive)
+}
+
+/// Landing of a ray: at its arrival, if that is on the primitive and nothing is in `between`. Seldom asks for the `ray`
+/// itself.
+fn land<T: Retrace>(
+    transport: &T,
+    geometry: &Geometry,
+    found: Found,
+    arrival: &Arrival,
+    ray: impl Fn() -> (T::Flight, T::Move),
+    between: impl FnOnce() -> Option<PrimitiveId>,
+) -> Landing {
+    let Found { point, primitive } = found;
+    let Arrival { position, direction, s } = *arrival;
+    let moved = position.distance(point);
+    if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
+        // Both ends lie on the primitive's carrier: what shares that cannot stand between them.
+        let shares_carrier = |other: PrimitiveId| {
+            let normal = |primitive| geometry.carrier(primitive).height(point).1;
+            normal(primitive).cross(normal(other)).length_squared() < 1e-18
+        };
+        if geometry.covers(primitive, position) && between().is_none_or(shares_carrier) {
+            return Landing { position, direction, primitive };
+        }
+        // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
+        let reach = 2.0 * moved * direction;
+        let (flight, step) = ray();
+        let course = transport.course(&flight, &step);
+        if course.is_some_and(|course| moved < 0.1 * position.distance(course.chord().start)) {
+            let tangent = Line { p0: position - reach, p2: position + reach };
+            if let Some(hit) = geometry.intersect(&tangent, PrimitiveId::NONE) {
+                return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+            }
+        }
+    }
+    let (flight, step) = ray();
+    let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
+    let direction = transport.pose(&span, &part).tangent;
+    Landing { position: point, direction: direction.normalize(), primitive }
+}
