@@ -10,6 +10,8 @@
 //!
 //! A ray that a surface sent out and that happens on an emitter asks for the density with which it could have been
 //! sampled: both ways of finding light are then weighted by [`Heuristic`].
+//!
+#![doc = include_str!("sampling.md")]
 
 mod emitter;
 mod guide;

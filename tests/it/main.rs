@@ -67,4 +67,5 @@ mod commands {
 mod project {
     mod layers;
     mod nightly;
+    mod readme;
 }
