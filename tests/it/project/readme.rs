@@ -104,7 +104,7 @@ fn calls<'a>(code: &'a str, commands: &BTreeSet<&str>) -> Vec<Vec<&'a str>> {
             [first, _, ..] if commands.contains(first) => Some(0),
             _ => None,
         };
-        calls.extend(start.map(|start| words[start..].to_vec()));
+        calls.extend(start.map(|start| words[start..].to_vec()).filter(|call| !call.is_empty()));
     }
     calls
 }
