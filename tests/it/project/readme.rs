@@ -148,7 +148,8 @@ fn flags_in_the_texts_are_flags_of_the_program() {
                     }
                 }
             }
-            if let Some(flag) = code.split(' ').next().and_then(flag).filter(|flag| flag.starts_with("--")) {
+            let alone = code.starts_with("--").then_some(&code);
+            for flag in alone.iter().flat_map(|code| code.split(' ')).filter_map(flag) {
                 checked += 1;
                 if !all.iter().any(|known| *known == flag) {
                     wrong.push(format!("{name}: `{code}`: no subcommand takes {flag}"));
