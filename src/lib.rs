@@ -34,6 +34,8 @@
 //! Dependencies point one way too:
 //! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`; all
 //! that says something uses [`text`].
+//!
+#![doc = include_str!("paper.md")]
 #![warn(clippy::all)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 

@@ -1,4 +1,6 @@
 //! Files of geometry and images, read into plain tables; every loader says what it does not understand.
+//!
+#![doc = include_str!("formats.md")]
 
 mod error;
 pub mod exr;

@@ -1,4 +1,6 @@
 //! Arguments → options, one file per subcommand.
+//!
+#![doc = include_str!("tables.md")]
 
 mod args;
 mod bench;

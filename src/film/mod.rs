@@ -1,4 +1,6 @@
 //! From sample sums to files.
+//!
+#![doc = include_str!("channels.md")]
 
 pub mod atomic;
 mod exr;

@@ -1,4 +1,6 @@
 //! Null geodesics of conformally flat spacetimes: orbits, steppers, error control, arcs.
+//!
+#![doc = include_str!("accuracy.md")]
 
 mod arc;
 mod control;

@@ -2,6 +2,8 @@
 //!
 //! The files `sphere`, `triangle` and `disk` each hold one intersection with a line and one with an arc; [`Segment`] is
 //! what the BVH asks of either.
+//!
+#![doc = include_str!("search.md")]
 
 mod build;
 mod bvh;

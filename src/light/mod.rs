@@ -5,6 +5,8 @@
 //!
 //! A ray found by BSDF sampling that ends on an emitter asks for the density with which it could have been sampled: both
 //! ways of finding light are then weighted by [`Heuristic`].
+//!
+#![doc = include_str!("sampling.md")]
 
 mod aim;
 mod emitter;

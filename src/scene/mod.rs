@@ -2,6 +2,8 @@
 //!
 //! Text → `file` tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
 //! or OBJ file by itself is a scene file with one entity.
+//!
+#![doc = include_str!("keys.md")]
 
 mod advice;
 mod bake;

@@ -2,6 +2,8 @@
 //!
 //! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
 //! samples into passes, and has worker threads run the [`stages`] over them.
+//!
+#![doc = include_str!("wavefront.md")]
 
 mod choice;
 pub mod curved;

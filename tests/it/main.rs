@@ -69,4 +69,5 @@ mod commands {
 mod project {
     mod layers;
     mod nightly;
+    mod readme;
 }
