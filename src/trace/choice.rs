@@ -42,7 +42,7 @@ impl<E: Errand> SpacetimeVisitor for Choice<'_, E> {
     type Output = E::Output;
 
     fn flat(self) -> E::Output {
-        self.errand.run(&Straight::new(self.scene.geometry.bounds()))
+        self.errand.run(Straight::new(self.scene.geometry.bounds()))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
@@ -71,8 +71,8 @@ struct Place<M> {
 impl<M: ConformallyFlat> Place<M> {
     fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
         match self.curved::<R>(scene) {
-            Some(curved) => errand.run(&curved),
-            None => errand.run(&PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
+            Some(curved) => errand.run(curved),
+            None => errand.run(PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
         }
     }
 

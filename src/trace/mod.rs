@@ -1,7 +1,8 @@
 //! From baked tables to a picture.
 //!
-//! [`render`] chooses a [`transport`] for the scene's spacetime and a schedule, cuts the picture into tiles and the
-//! samples into passes, and has worker threads run the [`stages`] over them.
+//! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling, cuts
+//! the picture into tiles and the samples into passes, and has worker threads run the [`stages`] over them; [`render`] is
+//! a loop around it.
 //!
 #![doc = include_str!("wavefront.md")]
 
@@ -23,14 +24,17 @@ mod ray_batch;
 mod render;
 mod run;
 mod samples;
+mod session;
 mod shoot;
 mod split;
 pub mod stages;
+mod state;
 mod stats;
 pub mod steppers;
 mod straight;
 mod surroundings;
 mod tile;
+mod tracer;
 mod trail;
 pub mod transport;
 mod vertex;
@@ -43,6 +47,8 @@ pub use illumination::LightSummary;
 pub use probe::{Probe, Reading, probe};
 pub use render::{Progress, Rendered, render};
 pub use run::Run;
+pub use session::Session;
 pub use shoot::{Ray, Shot, shoot};
+pub use state::State;
 pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
 pub use trail::{Trail, trails};

@@ -14,12 +14,13 @@ use super::illumination::{Illumination, LightSummary};
 use super::job::Job;
 use super::learn::lamp_edges::LampEdges;
 use super::learn::{photons, visible_caps};
-use super::run::{Run, on_threads};
+use super::run::{Run, Threads};
+use super::samples::Samples;
 use super::split::short_paths;
 use super::tile::TILE;
 use super::transport::{Errand, Transport};
 use super::work::{Lattice, Share, Work};
-use super::worker::{Worker, Workers};
+use super::worker::Workers;
 use crate::film::Wanted;
 use crate::scene::{Baked, Schedule, Settings};
 
@@ -86,8 +87,8 @@ struct Prober<'a> {
 impl Errand for Prober<'_> {
     type Output = Probe;
 
-    fn run<T: Transport>(self, transport: &T) -> Probe {
-        on_threads(self.run.threads, || self.look(transport))
+    fn run<T: Transport + 'static>(self, transport: T) -> Probe {
+        Threads::new(self.run.threads).run(|| self.look(&transport))
     }
 }
 
@@ -101,9 +102,10 @@ impl Prober<'_> {
         let learning = learn(&mut job, transport);
         let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
-        let workers = |schedule| Workers::scheduled(&job, transport, self.run.batch, schedule);
+        let workers = |schedule| Workers::new(schedule, self.run.batch);
         let turns = Turns {
-            scene: self.scene,
+            job: &job,
+            transport,
             window: Window::of(&settings, self.run),
             samples: settings.spp.min(SAMPLES),
             wanted,
@@ -141,14 +143,18 @@ impl Prober<'_> {
     }
 }
 
+/// Traces by one of the schedules; `None` if it had to give up.
+type Trace<'a> = dyn Fn(&Work, Wanted) -> Option<Samples> + 'a;
+
 /// What all turns have in common.
 struct Turns<'a, T: Transport> {
-    scene: &'a Baked,
+    job: &'a Job<'a>,
+    transport: &'a T,
     window: Window,
     samples: u32,
     wanted: Wanted,
-    wavefront: Workers<'a, T>,
-    per_pixel: Workers<'a, T>,
+    wavefront: Workers<T>,
+    per_pixel: Workers<T>,
 }
 
 impl<T: Transport> Turns<'_, T> {
@@ -159,18 +165,22 @@ impl<T: Transport> Turns<'_, T> {
         let lattices = paths.map(|paths| window.lattice(samples, paths));
         // Not the same pixels twice: what they need would be in the caches.
         let look = |number, lattice| Look { number, window, lattice, samples, wanted };
-        let (mut wavefront, mut per_pixel) = (self.wavefront.own(), self.per_pixel.own());
-        let edges = match self.scene.settings.schedule {
-            Schedule::Wavefront => &mut wavefront,
-            Schedule::PerPixel => &mut per_pixel,
+        let scene = self.job.scene;
+        let trace = |workers: &Workers<T>, work: &Work, wanted| {
+            workers.own().trace(self.job, self.transport, work, wanted)
+        };
+        let wavefront = |work: &Work, wanted| trace(&self.wavefront, work, wanted);
+        let per_pixel = |work: &Work, wanted| trace(&self.per_pixel, work, wanted);
+        let as_set: &Trace = match scene.settings.schedule {
+            Schedule::Wavefront => &wavefront,
+            Schedule::PerPixel => &per_pixel,
         };
         let numbers = NEIGHBOURHOODS * turn..NEIGHBOURHOODS * (turn + 1);
-        let found: Option<f64> =
-            numbers.map(|number| look(number, Lattice::ALL).edges(edges, self.scene)).sum();
+        let found: Option<f64> = numbers.map(|number| look(number, Lattice::ALL).edges(as_set, scene)).sum();
         Some(Reading {
             edges: found? / NEIGHBOURHOODS as f64,
-            wavefront: look(2 * turn, lattices[0]).paths(&mut wavefront)?,
-            per_pixel: look(2 * turn + 1, lattices[1]).paths(&mut per_pixel)?,
+            wavefront: look(2 * turn, lattices[0]).paths(&wavefront)?,
+            per_pixel: look(2 * turn + 1, lattices[1]).paths(&per_pixel)?,
         })
     }
 }
@@ -229,7 +239,7 @@ impl Look {
     }
 
     /// Seconds that a camera path takes, over the whole picture.
-    fn paths<T: Transport>(&self, worker: &mut Worker<T>) -> Option<f64> {
+    fn paths(&self, trace: &Trace) -> Option<f64> {
         let Window { origin, size } = self.window;
         let Self { lattice, samples, .. } = *self;
         let (x, y) = self.spot((lattice.every.min(size.0), lattice.every.min(size.1)));
@@ -243,12 +253,12 @@ impl Look {
             share: Share::Whole(&none),
         };
         let started = Instant::now();
-        worker.trace(&work, self.wanted)?;
+        trace(&work, self.wanted)?;
         Some(started.elapsed().as_secs_f64() / f64::from(work.paths()))
     }
 
     /// Seconds for each pixel that edges of lamps take in a neighbourhood: to find them and to look at them closely.
-    fn edges<T: Transport>(&self, worker: &mut Worker<T>, scene: &Baked) -> Option<f64> {
+    fn edges(&self, trace: &Trace, scene: &Baked) -> Option<f64> {
         if !LampEdges::are_possible(scene) {
             return Some(0.0);
         }
@@ -259,14 +269,14 @@ impl Look {
         let started = Instant::now();
         let (mut edges, spp) = (LampEdges::default(), scene.settings.spp);
         let last = spp.min(EDGE_SPP) - 1;
-        edges.refine(scene, (origin, size), last, |work| worker.trace(work, Wanted::default()))?;
+        edges.refine(scene, (origin, size), last, |work| trace(work, Wanted::default()))?;
         let finding = started.elapsed().as_secs_f64();
         let (first_sample, samples) = (0, EDGE_SAMPLES);
         let share = Share::Whole(edges.pixels());
         let work = Work { origin, size, lattice: Lattice::ALL, first_sample, samples, share };
         let started = Instant::now();
         if let Some(work) = short_paths(&work) {
-            worker.trace(&work, Wanted::default())?;
+            trace(&work, Wanted::default())?;
         }
         let looking = started.elapsed().as_secs_f64();
         // Neighbourhoods are searched with a rim of one pixel, as tiles are.

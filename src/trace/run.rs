@@ -35,11 +35,21 @@ impl Default for Run {
     }
 }
 
-/// Does `work` on so many threads, 0 for one per core.
-pub fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
-    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-        Ok(pool) => pool.install(work),
-        // Without a pool of its own the work shares rayon's.
-        Err(_) => work(),
+/// Worker threads of a run.
+pub struct Threads(Option<rayon::ThreadPool>);
+
+impl Threads {
+    /// So many, 0 for one per core.
+    pub fn new(threads: usize) -> Self {
+        // Without a pool of its own a run shares rayon's.
+        Self(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok())
+    }
+
+    /// Does `work` on them.
+    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
     }
 }

@@ -59,11 +59,11 @@ struct Shooting<'a> {
 impl Errand for Shooting<'_> {
     type Output = Vec<Shot>;
 
-    fn run<T: Transport>(self, transport: &T) -> Vec<Shot> {
+    fn run<T: Transport + 'static>(self, transport: T) -> Vec<Shot> {
         let halt = Halt::default();
         self.rays
             .par_iter()
-            .map(|ray| follow(transport, self.geometry, &ray.start(), &halt, |_, _, _, _| {}).0)
+            .map(|ray| follow(&transport, self.geometry, &ray.start(), &halt, |_, _, _, _| {}).0)
             .collect()
     }
 }

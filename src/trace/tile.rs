@@ -1,5 +1,6 @@
 //! A tile of the picture: sums over samples, in f64 and in sample order.
 
+use std::borrow::Borrow;
 use std::ops::Range;
 
 use glam::Vec3;
@@ -18,8 +19,6 @@ pub struct Tile {
     pub size: (usize, usize),
     /// Samples that each pixel holds.
     pub spp: u32,
-    /// Planes that it sums for.
-    pub wanted: Wanted,
     beauty: Vec<[f64; 4]>,
     planes: Vec<Sums>,
 }
@@ -34,7 +33,7 @@ impl Tile {
     pub fn new(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Self {
         let pixels = size.0 * size.1;
         let planes = wanted.planes().map(|aov| Sums::new(aov, pixels)).collect();
-        Self { origin, size, spp: 0, wanted, beauty: vec![[0.0; 4]; pixels], planes }
+        Self { origin, size, spp: 0, beauty: vec![[0.0; 4]; pixels], planes }
     }
 
     /// Adds `count` more samples of every pixel, pixel by pixel.
@@ -110,15 +109,14 @@ pub fn cover(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Ve
     tiles
 }
 
-/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`.
-///
-/// Tiles go as the planes fill, last first: what was allocated last is what an allocator gives back.
-pub fn assemble(mut tiles: Vec<Tile>, aovs: &[Aov], image: &mut Image) {
+/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`. Tiles go as the planes fill.
+pub fn assemble<T: Borrow<Tile>>(tiles: impl Iterator<Item = T>, aovs: &[Aov], image: &mut Image) {
     let (width, height) = image.size;
     let names = BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));
     image.planes =
         names.map(|name| Plane { name: name.to_string(), values: vec![0.0; width * height] }).collect();
-    while let Some(tile) = tiles.pop() {
+    for tile in tiles {
+        let tile: &Tile = tile.borrow();
         for pixel in 0..tile.size.0 * tile.size.1 {
             let x = tile.origin.0 - image.origin.0 + pixel % tile.size.0;
             let y = tile.origin.1 - image.origin.1 + pixel / tile.size.0;

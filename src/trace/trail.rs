@@ -44,8 +44,8 @@ struct Trailing<'a> {
 impl Errand for Trailing<'_> {
     type Output = Vec<Trail>;
 
-    fn run<T: Transport>(self, transport: &T) -> Vec<Trail> {
-        self.rays.par_iter().map(|ray| trail(transport, self.geometry, ray)).collect()
+    fn run<T: Transport + 'static>(self, transport: T) -> Vec<Trail> {
+        self.rays.par_iter().map(|ray| trail(&transport, self.geometry, ray)).collect()
     }
 }
 

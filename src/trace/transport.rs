@@ -86,7 +86,7 @@ pub struct Moved<'a, T: Transport> {
 /// A way for rays to move.
 ///
 /// Methods named after another with `_all` do the same for many rays, bit for bit.
-pub trait Transport: Sync + Sized {
+pub trait Transport: Send + Sync + Sized {
     /// A ray in flight.
     type Flight: Row;
     /// One move of a ray.
@@ -195,8 +195,8 @@ pub trait Errand {
     /// What it gives.
     type Output;
 
-    /// Does it.
-    fn run<T: Transport>(self, transport: &T) -> Self::Output;
+    /// Does it; the transport may be kept.
+    fn run<T: Transport + 'static>(self, transport: T) -> Self::Output;
 }
 
 #[cfg(test)]

@@ -173,7 +173,7 @@ mod tests {
     impl Errand for Whole<'_> {
         type Output = Vec<f64>;
 
-        fn run<T: Transport>(self, transport: &T) -> Vec<f64> {
+        fn run<T: Transport + 'static>(self, transport: T) -> Vec<f64> {
             let settings = &self.0.settings;
             let job = Job::new(self.0, settings, Halt::default());
             let none = EdgePixels::default();
@@ -185,7 +185,8 @@ mod tests {
                 samples: settings.spp,
                 share: Share::Whole(&none),
             };
-            let samples = Workers::new(&job, transport, 1024).own().trace(&work, Wanted::default()).unwrap();
+            let workers = Workers::new(settings.schedule, 1024);
+            let samples = workers.own().trace(&job, &transport, &work, Wanted::default()).unwrap();
             let pixels = samples.radiance.chunks_exact(settings.spp as usize);
             pixels.map(|pixel| f64::from(pixel.iter().sum::<Vec3>().x / settings.spp as f32)).collect()
         }

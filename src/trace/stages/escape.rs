@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::super::job::Job;
-use super::super::path::{Gathers, Path};
+use super::super::path::Path;
 use super::super::vertex::Vertex;
+use super::deposit::{Emitter, Source, deposit};
 use super::light::share;
 use crate::scene::Background;
 
@@ -12,9 +13,13 @@ use crate::scene::Background;
 /// a transparent background.
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
-    let sees_through = path.depth == 1 && job.settings.background == Background::Transparent;
-    if path.gathers != Gathers::Lamps && !sees_through && !job.scene.environment.is_black() {
-        let share = share(job, vertex, direction, None);
-        path.radiance += path.throughput * job.scene.environment.radiance(direction) * share;
+    let source = Source { emitter: Emitter::Infinity, segments: path.depth };
+    let sees_through = source.segments == 1 && job.settings.background == Background::Transparent;
+    if !sees_through && !job.scene.environment.is_black() {
+        let throughput = path.throughput;
+        deposit(path, source, || {
+            let share = share(job, vertex, direction, None);
+            throughput * job.scene.environment.radiance(direction) * share
+        });
     }
 }

@@ -7,6 +7,7 @@ use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
+use super::deposit::{Emitter, Source, deposit};
 use super::draw::Draw;
 use super::meet::meet;
 use crate::geometry::{Found, Segment};
@@ -151,7 +152,8 @@ pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if vertex.is_bent && (front || material.emits_both_sides) {
-        path.radiance += vertex.brings * material.emission;
+        let source = Source { emitter: Emitter::Surface(meeting.primitive), segments: vertex.depth };
+        deposit(path, source, || vertex.brings * material.emission);
     }
     if !material.is_specular() || vertex.depth >= job.settings.max_depth {
         return None;
@@ -169,7 +171,8 @@ pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
     if vertex.is_bent && !job.scene.environment.is_black() {
-        path.radiance += vertex.brings * job.scene.environment.radiance(direction);
+        let source = Source { emitter: Emitter::Infinity, segments: vertex.depth };
+        deposit(path, source, || vertex.brings * job.scene.environment.radiance(direction));
     }
 }
 

@@ -8,6 +8,7 @@
 //! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
 //! | [`escape`] | direction at infinity, environment | radiance |
 //! | [`emit`] | landing, material | radiance |
+//! | [`deposit`] | source of light | radiance |
 //! | [`draw`] | path | random numbers |
 //! | [`scatter`] | landing, material | throughput, a ray |
 //! | [`shade`] | landing | the three at a surface: [`record`], [`emit`], [`scatter`] |
@@ -16,6 +17,7 @@
 //! [`Transport::advance`]: super::transport::Transport::advance
 //! [`Transport::settle`]: super::transport::Transport::settle
 
+pub mod deposit;
 pub mod draw;
 pub mod emit;
 pub mod escape;

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::support::command::{Folder, assert_good};
 use crate::support::{render, scene_file, scene_path};
@@ -9,7 +10,7 @@ use clap::ValueEnum;
 use warpfront::film::{Aov, Image};
 use warpfront::scene::{Precision, SamplerKind, StepperKind, flag_name};
 use warpfront::spacetime::SpacetimeKind;
-use warpfront::trace::Run;
+use warpfront::trace::{Run, Session};
 
 const SMALL: [&str; 3] = ["film.width=40", "film.height=34", "render.spp=16"];
 
@@ -171,4 +172,50 @@ fn another_seed_gives_another_picture() {
     let path = scene_path("cornell_flat.toml");
     let with = |seed| image(&path, &[seed], &Run::default()).plane("R").expect("R").to_vec();
     assert_ne!(with("render.seed=1"), with("render.seed=2"));
+}
+
+#[test]
+fn a_render_put_away_and_extended_twice_gives_the_bits_of_one_that_ran_through() {
+    let path = scene_path("cornell_black_hole.toml");
+    let scene = scene_file(&path, &SMALL);
+    let (run, cancel) = (run(), AtomicBool::new(false));
+    let mut session = Session::new(&scene, &run, &cancel);
+    // Neither stop is one that passes make by themselves.
+    for stop in [3, 11, 16] {
+        session = Session::resume(&scene, &run, &cancel, session.into_state()).expect("the same picture");
+        while session.pass(stop, |_| ()) {}
+        assert_eq!(session.state().spp(), stop);
+    }
+    let through = image(&path, &[], &run);
+    assert_same_bits(&session.image(), &through, "16 samples in three sessions");
+    assert_same_bits(&session.into_image(), &through, "16 samples in three sessions, at their end");
+}
+
+#[test]
+fn a_session_that_is_cancelled_goes_on_from_its_state() {
+    let path = scene_path("cornell_black_hole.toml");
+    let scene = scene_file(&path, &SMALL);
+    let (run, cancel) = (Run { threads: 1, ..run() }, AtomicBool::new(false));
+    let mut session = Session::new(&scene, &run, &cancel);
+    assert!(session.pass(16, |_| ()));
+    // One tile of the second pass is finished, the others are not begun.
+    assert!(!session.pass(16, |_| cancel.store(true, Ordering::Relaxed)));
+    assert!(!session.pass(16, |_| ()));
+    assert_eq!(session.state().spp(), 1);
+    let go_on = AtomicBool::new(false);
+    let mut session = Session::resume(&scene, &run, &go_on, session.into_state()).expect("the same picture");
+    while session.pass(16, |_| ()) {}
+    assert_same_bits(&session.into_image(), &image(&path, &[], &run), "cancelled and resumed");
+}
+
+#[test]
+fn a_session_does_not_resume_another_picture() {
+    let scene = scene_file(&scene_path("cornell_black_hole.toml"), &SMALL);
+    let cancel = AtomicBool::new(false);
+    let (whole, beauty) = (run(), Run::default());
+    let crop = Run { crop: Some([0, 0, 8, 8]), ..run() };
+    for other in [beauty, crop] {
+        let state = Session::new(&scene, &whole, &cancel).into_state();
+        assert!(Session::resume(&scene, &other, &cancel, state).is_none());
+    }
 }

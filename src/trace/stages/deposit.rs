@@ -1,0 +1,60 @@
+//! The one way by which light enters a path.
+
+use glam::Vec3;
+
+use super::super::path::{Gathers, Path};
+use super::super::vertex::Vertex;
+use crate::geometry::PrimitiveId;
+use crate::light::Target;
+
+/// Origin of light that reaches the camera along a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source {
+    /// The light's emitter.
+    pub emitter: Emitter,
+    /// Ray segments between it and the camera: 1 where it is seen, 2 for direct light, more for indirect.
+    pub segments: u32,
+}
+
+/// What emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Emitter {
+    /// A surface: its primitive, by which the geometry knows its entity and material.
+    Surface(PrimitiveId),
+    /// A point light, by its number among the scene's.
+    Point(u32),
+    /// The environment or a distant light.
+    Infinity,
+}
+
+impl Source {
+    /// The emitter that a light ray reaches; `None` for one that was not aimed at any.
+    #[inline(always)]
+    pub fn reached(vertex: &Vertex) -> Option<Self> {
+        let emitter = match vertex.target {
+            Target::Surface(primitive, _) => Emitter::Surface(primitive),
+            Target::Point(index) => Emitter::Point(index),
+            Target::Infinity => Emitter::Infinity,
+            Target::Nothing | Target::ThroughSpecular => return None,
+        };
+        Some(Self { emitter, segments: vertex.depth })
+    }
+
+    /// True if it is for `gathers` to add: the camera's view of lamps is left to other paths in some pixels.
+    #[inline(always)]
+    fn is_for(self, gathers: Gathers) -> bool {
+        match gathers {
+            Gathers::All => true,
+            Gathers::Lamps => matches!(self.emitter, Emitter::Surface(_)),
+            Gathers::Beyond => !matches!(self.emitter, Emitter::Surface(_)),
+        }
+    }
+}
+
+/// Adds light from `source` to `path`: `radiance`, as it arrives at the camera, is computed only if this path gathers it.
+#[inline(always)]
+pub fn deposit(path: &mut Path, source: Source, radiance: impl FnOnce() -> Vec3) {
+    if source.is_for(path.gathers) {
+        path.radiance += radiance();
+    }
+}
