@@ -6,9 +6,9 @@ use std::io::Write;
 use csv::ByteRecord;
 use glam::DVec3;
 
-use super::Outcome;
 use super::args::ConnectArgs;
 use super::failure::Failure;
+use super::outcome::Outcome;
 use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup, cell};
 use super::table::{Header, line};

@@ -1,11 +1,12 @@
 //! Studies as commands: measured in rounds beside a meter, then printed and written.
 
 use super::failure::Failure;
+use super::outcome::Outcome;
 use super::prefixed::Files;
 use super::progress::Meter;
+use super::say::{print, say};
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, print, say};
 use crate::study::report::Report;
 use crate::study::rounds::{self, Study};
 

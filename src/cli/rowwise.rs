@@ -10,10 +10,11 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::outcome::Outcome;
 use super::outputs::same_file;
 use super::progress::{Meter, Show};
+use super::say::say;
 use super::table::{Header, Table};
-use super::{Outcome, say};
 use crate::film::atomic::Output;
 use crate::study::table::io_error;
 

@@ -8,10 +8,12 @@ use super::args::StudyArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::measure::{self, distinct_or};
+use super::outcome::Outcome;
 use super::prefixed::Files;
 use super::progress::Meter;
+use super::say::say_remarks;
 use super::shared_args::distinct;
-use super::{Outcome, light_study, memory, overwrite, ray_study, say_remarks};
+use super::{light_study, memory, overwrite, ray_study};
 use crate::scene::{self, Baked, LoadOptions, StepperKind};
 use crate::study::camera_rays::{CameraRays, Setting};
 

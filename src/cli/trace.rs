@@ -5,9 +5,9 @@ use std::io::Write;
 
 use csv::ByteRecord;
 
-use super::Outcome;
 use super::args::TraceArgs;
 use super::failure::Failure;
+use super::outcome::Outcome;
 use super::rays_table::Columns;
 use super::rowwise::{self, RowWise, Setup};
 use super::table::line;
