@@ -265,7 +265,7 @@ pub(super) struct TraceArgs {
     #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
     quality: Quality,
     /// How rays are advanced through curved space [default: the preset's]
-    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME")]
+    #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in
     #[arg(long, value_enum, value_name = "NAME", default_value = "f64")]

@@ -5,17 +5,17 @@ use std::io::Write;
 use super::bench_args::BenchArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::prefixed::{Files, names, with_suffix};
+use super::measure;
+use super::outcome::Outcome;
+use super::prefixed::{Files, with_suffix};
 use super::progress::Meter;
+use super::say::{print, say, say_remarks};
 use super::shared_args::distinct;
 use super::units::plural;
-use super::{Outcome, memory, overwrite, print, say, say_remarks};
+use super::{memory, overwrite};
 use crate::film::atomic::Output;
-use crate::plot::Figure;
 use crate::scene::{self, Baked, LoadOptions};
-use crate::study::bench::{Contender, Plan, Point, Race, Refusal, Vary, race};
-use crate::study::report::bench::{Record, growth, race as single, write_csv};
-use crate::trace::Progress;
+use crate::study::bench::{Bench, Contender, Point, Race, Record, Refusal, Vary, report};
 
 /// Races the wavefront against its baselines, prints what was found, and writes it if asked to.
 pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
@@ -35,29 +35,33 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     say_remarks(&scene);
     args.apply(&mut scene.settings);
     memory::check_kept((scene.settings.width, scene.settings.height), &options.files.memory())?;
-    let (scenes, plan) = plan(args, scene)?;
+    let contenders = contenders(args, &scene)?;
+    let base = Point::of(&scene, &args.run());
+    let (scenes, points) = match args.sweep {
+        Some(sweep) => sweep.points(&args.values, &base, scene)?,
+        None => (vec![scene], vec![base]),
+    };
 
     meter.enter("rendering");
-    let progress = |done, total| meter.update(Progress { done: done as u64, total: total as u64 });
-    let measured = race(scenes, &plan, &progress);
-    meter.finish();
-    let races = measured?;
-    print(&format!("{}\n\n{}", conditions(args, &plan, &races), table(args, &races)))?;
-    if let (Some((files, json)), Some(prefix)) = (outputs, &args.output) {
+    let races = measure::run(Bench::new(scenes, points, contenders), args.rounds, meter)?;
+    let report = report(args.sweep, &races);
+    print(&format!("{}\n\n{}", conditions(args, &races), report.text))?;
+    if let Some((files, json)) = outputs {
+        let names = format!("{}, {}", files.names(), json.path().display());
         let name = path.display().to_string();
         let record = Record::new(&name, args.sweep, &races);
         json.commit(|out| {
             serde_json::to_writer_pretty(&mut *out, &record)?;
             out.write_all(b"\n")
         })?;
-        files.write(|out| write_csv(args.sweep, &races, out), &figure(args, &races))?;
-        say(format!("wrote {}, {}", names(prefix), with_suffix(prefix, "json").display()));
+        files.write(&report)?;
+        say(format!("wrote {names}"));
     }
     Ok(Outcome::Good)
 }
 
-/// Who races where.
-fn plan(args: &BenchArgs, scene: Baked) -> Result<(Vec<Baked>, Plan), Failure> {
+/// Who races.
+fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure> {
     let contenders = [&[Contender::Wavefront][..], &distinct(&args.baseline)].concat();
     if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())
         && scene.spacetime.is_flat()
@@ -65,17 +69,12 @@ fn plan(args: &BenchArgs, scene: Baked) -> Result<(Vec<Baked>, Plan), Failure> {
         let message = format!("--baseline {} needs a hole, and the scene is flat", contender.name());
         return Err(Failure::new(message).help("give a scene with a hole, or --black-hole"));
     }
-    let base = Point::of(&scene, &args.run());
-    let (scenes, points) = match args.sweep {
-        Some(sweep) => sweep.points(&args.values, &base, scene)?,
-        None => (vec![scene], vec![base]),
-    };
-    Ok((scenes, Plan { contenders, points, rounds: args.rounds }))
+    Ok(contenders)
 }
 
 /// What was raced, and how, but for what is swept.
-fn conditions(args: &BenchArgs, plan: &Plan, races: &[Race]) -> String {
-    let Point { settings, batch, .. } = &plan.points[0];
+fn conditions(args: &BenchArgs, races: &[Race]) -> String {
+    let Point { settings, batch, .. } = &races[0].point;
     let threads = races[0].runs[0].rounds[0].threads;
     let parts = [
         (Vary::Pixels, format!("{}x{} pixels", settings.width, settings.height)),
@@ -85,7 +84,7 @@ fn conditions(args: &BenchArgs, plan: &Plan, races: &[Race]) -> String {
     ];
     let parts: Vec<String> =
         parts.into_iter().filter(|(what, _)| args.sweep != Some(*what)).map(|(_, part)| part).collect();
-    let names: Vec<String> = plan.contenders.iter().map(|contender| contender.name()).collect();
+    let names: Vec<String> = races[0].runs.iter().map(|runs| runs.contender.name()).collect();
     let room = match args.sweep {
         Some(Vary::Triangles) => " (camera and hole, in a room built for this)",
         _ => "",
@@ -94,23 +93,9 @@ fn conditions(args: &BenchArgs, plan: &Plan, races: &[Race]) -> String {
         "{}{room}: {}; {} after one render each to warm up, all in turn: {}",
         args.scene.path.display(),
         parts.join(", "),
-        plural(plan.rounds as usize, "round", "rounds"),
+        plural(args.rounds as usize, "round", "rounds"),
         names.join(", ")
     )
-}
-
-fn table(args: &BenchArgs, races: &[Race]) -> String {
-    match args.sweep {
-        Some(sweep) => growth::table(sweep, races),
-        None => races.iter().map(single::table).collect(),
-    }
-}
-
-fn figure(args: &BenchArgs, races: &[Race]) -> Figure {
-    match args.sweep {
-        Some(sweep) => growth::figure(sweep, races),
-        None => single::figure(&races[0]),
-    }
 }
 
 impl From<Refusal> for Failure {

@@ -2,19 +2,17 @@
 
 use std::collections::HashMap;
 use std::io::Write;
-use std::time::Instant;
 
 use csv::ByteRecord;
 use glam::DVec3;
 
 use super::args::ConnectArgs;
 use super::failure::Failure;
-use super::interrupt::Interrupt;
+use super::outcome::Outcome;
 use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup, cell};
-use super::table::{Header, Table, line};
+use super::table::{Header, line};
 use super::units::{decimal, plural};
-use super::{Outcome, say};
 use crate::spacetime::Entry;
 use crate::study::connections::{Fault, Input, Joiner, Joint, Joints, Pair};
 
@@ -40,28 +38,15 @@ const RESULTS: [&str; 14] = [
 
 /// Finds the rays that join the points of every pair of a table.
 pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
-    // Without a result to keep, Ctrl-C ends the process and removes the unfinished file.
-    Interrupt::install();
-    let started = Instant::now();
-    let mut table = Table::open(&args.pairs, "pair of points")?;
-    let mut job = Job::new(&table.header, args.spacetime, args.max_winding)?;
     let setup = Setup {
-        input: (&args.pairs, "pairs"),
+        input: &args.pairs,
+        what: ["pair of points", "pairs"],
         output: args.output.as_deref(),
         threads: args.threads,
         progress: args.meter.progress,
+        strict: args.strict,
     };
-    let Some(wrote) = setup.run(&mut table, &mut job)? else { return Ok(Outcome::Good) };
-    let seconds = started.elapsed().as_secs_f64();
-    let Counts { pairs, connections, hidden } = job.counts;
-    let lost = if hidden > 0 { format!(" ({hidden} hidden by rounding)") } else { String::new() };
-    say(format!(
-        "{}: {}{lost}; {seconds:.2} s, {} pairs/s{wrote}",
-        plural(pairs, "pair", "pairs"),
-        plural(connections, "connection", "connections"),
-        decimal(pairs as f64 / seconds.max(1e-6)),
-    ));
-    Ok(if args.strict && hidden > 0 { Outcome::Lost } else { Outcome::Good })
+    setup.run(|header| Job::new(header, args.spacetime, args.max_winding))
 }
 
 /// A pair, and the row in which it came.
@@ -191,6 +176,21 @@ impl RowWise for Job {
         self.counts.connections += joints.found.len();
         self.counts.hidden += joints.hidden;
         Ok(())
+    }
+
+    fn summary(&self, seconds: f64) -> String {
+        let Counts { pairs, connections, hidden } = self.counts;
+        let lost = if hidden > 0 { format!(" ({hidden} hidden by rounding)") } else { String::new() };
+        format!(
+            "{}: {}{lost}; {seconds:.2} s, {} pairs/s",
+            plural(pairs, "pair", "pairs"),
+            plural(connections, "connection", "connections"),
+            decimal(pairs as f64 / seconds.max(1e-6)),
+        )
+    }
+
+    fn lost(&self) -> usize {
+        self.counts.hidden
     }
 }
 

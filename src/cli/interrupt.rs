@@ -6,7 +6,7 @@ use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
-use super::say;
+use super::say::say;
 use crate::film::atomic;
 
 /// What the thread that waits for signals and the render know of each other.

@@ -4,18 +4,19 @@ use std::path::Path;
 
 use super::args::StudyArgs;
 use super::failure::Failure;
-use super::prefixed::{Files, names};
+use super::measure::{self, distinct_or};
+use super::outcome::Outcome;
+use super::prefixed::Files;
 use super::progress::Meter;
+use super::say::say;
 use super::shared_args::distinct;
-use super::units::plural;
-use super::{Outcome, print, say};
 use crate::asset::Files as AssetFiles;
 use crate::film::read_exr_with;
 use crate::light::Lights;
 use crate::scene::Baked;
-use crate::study::lights::{Plan, Source, sweep};
+use crate::study::light_sampling::{LightStudy, Plan, Source};
 use crate::study::reference::Reference;
-use crate::study::report;
+use crate::study::rounds;
 
 /// Samples per pixel.
 const SPPS: [u32; 4] = [1, 4, 16, 64];
@@ -25,10 +26,9 @@ const REFERENCE: u32 = 16;
 /// Measures ways to look for lights and writes what was found.
 pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> Result<Outcome, Failure> {
     lit(&scene, path)?;
-    let spps = if args.spps.is_empty() { &SPPS[..] } else { &args.spps };
     let plan = Plan {
         ways: distinct(&args.light_sampling),
-        spps: distinct(spps),
+        spps: distinct_or(&args.spps, &SPPS),
         rounds: args.rounds,
         threads: args.threads,
     };
@@ -39,14 +39,11 @@ pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> 
     };
 
     let meter = Meter::new(args.meter.progress, "learning of lights", "paths");
-    let measured = sweep(scene, &plan, source, &|progress| meter.update(progress));
+    let progress = |progress| meter.update(progress);
+    // Renders tell how far they have come themselves.
+    let report = rounds::run(LightStudy::new(scene, plan, source, &progress), args.rounds, &|_| {});
     meter.finish();
-    let ways = measured?;
-    files.write(|out| report::lights::write_csv(&ways, out), &report::lights::figure(&ways))?;
-    print(&report::lights::table(&ways))?;
-    let count = plan.ways.len() * plan.spps.len();
-    say(format!("{}; wrote {}", plural(count, "setting", "settings"), names(&args.output)));
-    Ok(Outcome::Good)
+    measure::publish(&report?, files, "")
 }
 
 /// The reference at `path`, for pictures of the study's size.

@@ -5,8 +5,9 @@ use clap_mangen::Man;
 
 use super::args::{Cli, CompletionsArgs, ManArgs};
 use super::failure::Failure;
+use super::outcome::Outcome;
+use super::say::{say, write_stdout};
 use super::units::plural;
-use super::{Outcome, say, write_stdout};
 use crate::film::atomic::Output;
 
 /// Writes all manual pages to a folder, or prints one.

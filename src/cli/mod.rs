@@ -14,18 +14,22 @@ mod info;
 mod interrupt;
 mod light_study;
 mod manual;
+mod measure;
 mod memory;
 mod misnomers;
+mod outcome;
 mod outputs;
 mod overwrite;
 mod parse;
 mod prefixed;
 mod progress;
 mod quality;
+mod ray_study;
 mod rays;
 mod rays_table;
 mod render;
 mod rowwise;
+mod say;
 mod shared_args;
 mod stages;
 mod study;
@@ -35,31 +39,16 @@ mod trace;
 mod units;
 
 use std::env;
-use std::fmt::Display;
-use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
-use serde::Serialize;
 
 use crate::math::simd;
-use crate::scene::Baked;
 use crate::text;
 use args::{Cli, Command};
 use failure::Failure;
-
-/// How a command that did not fail ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Outcome {
-    /// All is there.
-    Good,
-    /// Something was lost, and `--strict` was given.
-    Lost,
-    /// Some pixels have no sample.
-    Incomplete,
-    /// Pictures differ by more than a flag allows.
-    Differ,
-}
+use outcome::Outcome;
+use say::say;
 
 /// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad input.
 pub fn main() -> ExitCode {
@@ -107,47 +96,4 @@ fn print_usage(error: &clap::Error) {
     }
     // If nobody reads it there is nobody to tell.
     let _ = error.print();
-}
-
-/// Lines on stderr, fit for a terminal; unlike `eprintln!` it does not panic when nobody reads them.
-fn say(lines: impl Display) {
-    let _ = writeln!(io::stderr(), "{}", text::lines(&lines.to_string()));
-}
-
-/// Says what was decided about a scene, and what its files were not understood to the letter for, one line each.
-fn say_remarks(scene: &Baked) {
-    shown(&scene.notes).for_each(|note| say(format!("note: {note}")));
-    shown(&scene.warnings).for_each(|warning| say(format!("warning: {warning}")));
-}
-
-/// Warnings, each on one line; of very many the first ones and how many more there are.
-fn shown(warnings: &[String]) -> impl Iterator<Item = String> {
-    /// Warnings in full.
-    const MOST: usize = 60;
-    let more = warnings.len().saturating_sub(MOST);
-    let more = (more > 0).then(|| format!("and {more} more warnings"));
-    warnings.iter().take(MOST).map(|warning| text::line(warning).into_owned()).chain(more)
-}
-
-/// Prints the result of a command on stdout, fit for a terminal.
-fn print(text: &str) -> Result<(), Failure> {
-    write_stdout(&text::lines(text))
-}
-
-/// Prints a record on stdout.
-fn print_json(record: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(record);
-    let json = json.map_err(|error| Failure::new(format!("cannot express the result as JSON: {error}")))?;
-    write_stdout(&format!("{}\n", text::json(&json)))
-}
-
-/// A reader that has gone away, as `head` does, is no failure.
-fn write_stdout(text: &str) -> Result<(), Failure> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::new(format!("cannot write to standard output: {error}")))
-        }
-        _ => Ok(()),
-    }
 }

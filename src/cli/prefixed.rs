@@ -1,11 +1,11 @@
 //! Files of a study that share the beginning of their names.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
 use crate::film::atomic::Output;
-use crate::plot::{Figure, Format};
+use crate::plot::Format;
+use crate::study::report::Report;
 
 /// The files that are written.
 pub(super) struct Files {
@@ -14,13 +14,11 @@ pub(super) struct Files {
     png: Output,
 }
 
-const EXTENSIONS: [&str; 3] = ["csv", "svg", "png"];
-
 impl Files {
     /// Opens them all, so that one that cannot be written is found before the study.
     pub(super) fn open(prefix: &Path) -> Result<Self, Failure> {
         let open = |extension| Output::create(&with_suffix(prefix, extension)).map_err(Failure::from);
-        let [csv, svg, png] = EXTENSIONS.map(open);
+        let [csv, svg, png] = ["csv", "svg", "png"].map(open);
         Ok(Self { csv: csv?, svg: svg?, png: png? })
     }
 
@@ -29,22 +27,19 @@ impl Files {
         [&self.csv, &self.svg, &self.png].into_iter().map(Output::path)
     }
 
+    /// Their paths, as the user named them.
+    pub(super) fn names(&self) -> String {
+        let names: Vec<String> = self.paths().map(|path| path.display().to_string()).collect();
+        names.join(", ")
+    }
+
     /// Writes them all.
-    pub(super) fn write(
-        self,
-        csv: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-        figure: &Figure,
-    ) -> Result<(), Failure> {
-        self.csv.commit(|out| csv(out))?;
-        self.svg.commit(|out| figure.write(Format::Svg, out))?;
-        self.png.commit(|out| figure.write(Format::Png, out))?;
+    pub(super) fn write(self, report: &Report) -> Result<(), Failure> {
+        self.csv.commit(|out| report.table.write_csv(out))?;
+        self.svg.commit(|out| report.figure.write(Format::Svg, out))?;
+        self.png.commit(|out| report.figure.write(Format::Png, out))?;
         Ok(())
     }
-}
-
-/// The names of the files.
-pub(super) fn names(prefix: &Path) -> String {
-    EXTENSIONS.map(|extension| with_suffix(prefix, extension).display().to_string()).join(", ")
 }
 
 /// `prefix.extension`, whatever dots the prefix has.

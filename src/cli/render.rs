@@ -3,9 +3,11 @@
 use super::args::RenderArgs;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
+use super::outcome::Outcome;
 use super::outputs::Outputs;
 use super::progress::Meter;
-use super::{Outcome, memory, overwrite, say, say_remarks, summary};
+use super::say::{say, say_remarks};
+use super::{memory, overwrite, summary};
 use crate::scene::{self, LoadOptions};
 use crate::trace;
 

@@ -2,16 +2,21 @@
 
 use std::io::{self, Write};
 use std::path::Path;
+use std::time::Instant;
 
 use csv::ByteRecord;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::failure::Failure;
+use super::interrupt::Interrupt;
+use super::outcome::Outcome;
 use super::outputs::same_file;
 use super::progress::{Meter, Show};
-use super::table::Table;
+use super::say::say;
+use super::table::{Header, Table};
 use crate::film::atomic::Output;
+use crate::study::table::io_error;
 
 /// What a command does with the rows of a table.
 pub(super) trait RowWise: Sync {
@@ -39,24 +44,49 @@ pub(super) trait RowWise: Sync {
         answer: &Self::Answer,
         out: &mut csv::Writer<impl Write>,
     ) -> csv::Result<()>;
+
+    /// What was done in so many seconds, on one line.
+    fn summary(&self, seconds: f64) -> String;
+
+    /// How many answers were lost, which `--strict` minds.
+    fn lost(&self) -> usize;
 }
 
-/// Which files, and how many threads.
+/// Which files, and how they are worked on.
 pub(super) struct Setup<'a> {
-    /// The table, and what it is a table of.
-    pub(super) input: (&'a Path, &'static str),
+    /// The table.
+    pub(super) input: &'a Path,
+    /// What it has in a row, and in all.
+    pub(super) what: [&'static str; 2],
     /// Standard output if there is none.
     pub(super) output: Option<&'a Path>,
     /// 0 means one per core.
     pub(super) threads: usize,
     /// How progress is shown.
     pub(super) progress: Show,
+    /// Whether lost answers count.
+    pub(super) strict: bool,
 }
 
 impl Setup<'_> {
-    /// Does `job`, and says at the end what was written where; nothing if the reader of standard output has gone away, as
-    /// `head` does, which is no failure.
-    pub(super) fn run(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
+    /// Does the `job` for a table with such a header, and says at the end what was done and written where; nothing if the
+    /// reader of standard output has gone away, as `head` does, which is no failure.
+    pub(super) fn run<J: RowWise>(
+        &self,
+        job: impl FnOnce(&Header) -> Result<J, Failure>,
+    ) -> Result<Outcome, Failure> {
+        // Without a result to keep, Ctrl-C ends the process and removes the unfinished file.
+        Interrupt::install();
+        let started = Instant::now();
+        let mut table = Table::open(self.input, self.what[0])?;
+        let mut job = job(&table.header)?;
+        let Some(wrote) = self.write(&mut table, &mut job)? else { return Ok(Outcome::Good) };
+        say(format!("{}{wrote}", job.summary(started.elapsed().as_secs_f64())));
+        Ok(if self.strict && job.lost() > 0 { Outcome::Lost } else { Outcome::Good })
+    }
+
+    /// Where the answers were written, in words; none if the reader of standard output has gone away.
+    fn write(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
         let Some(path) = self.output else {
             return match self.stream(table, job, io::stdout().lock()) {
                 Ok(done) => done.map(|()| Some(String::new())),
@@ -64,8 +94,8 @@ impl Setup<'_> {
                 Err(error) => Err(Failure::new(format!("cannot write to standard output: {error}"))),
             };
         };
-        if same_file(path, self.input.0) {
-            let message = format!("`{}` is the table of {} itself", path.display(), self.input.1);
+        if same_file(path, self.input) {
+            let message = format!("`{}` is the table of {} itself", path.display(), self.what[1]);
             return Err(Failure::new(message).help("name another file for the results"));
         }
         let mut done = Ok(());
@@ -103,7 +133,7 @@ fn chunks(
 ) -> io::Result<Result<(), Failure>> {
     writeln!(out, "# warpfront {} {}", env!("CARGO_PKG_VERSION"), job.settings())?;
     let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(job.names()).map_err(plain)?;
+    writer.write_record(job.names()).map_err(io_error)?;
     loop {
         let rows = match table.chunk() {
             Ok(rows) if rows.is_empty() => break,
@@ -123,7 +153,7 @@ fn chunks(
         };
         for (task, answer) in tasks.iter().zip(answers) {
             match answer {
-                Ok(answer) => job.write(task, &answer, &mut writer).map_err(plain)?,
+                Ok(answer) => job.write(task, &answer, &mut writer).map_err(io_error)?,
                 Err(failure) => return Ok(Err(failure)),
             }
         }
@@ -131,14 +161,6 @@ fn chunks(
     }
     writer.flush()?;
     Ok(Ok(()))
-}
-
-/// The error of the file, of its own kind and not of "other", as which `From` would have it.
-fn plain(error: csv::Error) -> io::Error {
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        other => io::Error::other(format!("{other:?}")),
-    }
 }
 
 /// The cell of a number, which reads back exactly.

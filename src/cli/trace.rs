@@ -2,18 +2,16 @@
 
 use std::f64::consts::TAU;
 use std::io::Write;
-use std::time::Instant;
 
 use csv::ByteRecord;
 
 use super::args::TraceArgs;
 use super::failure::Failure;
-use super::interrupt::Interrupt;
+use super::outcome::Outcome;
 use super::rays_table::Columns;
 use super::rowwise::{self, RowWise, Setup};
-use super::table::{Table, line};
+use super::table::line;
 use super::units::{decimal, plural};
-use super::{Outcome, say};
 use crate::scene::flag_name;
 use crate::study::free::{self, Accuracy, Crossing, Exit, Status};
 
@@ -25,20 +23,19 @@ const RESULTS: [&str; 17] = [
 
 /// Follows the rays of a table and writes how they end.
 pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
-    // Without a result to keep, Ctrl-C ends the process and removes the unfinished file.
-    Interrupt::install();
     let accuracy = args.accuracy();
     accuracy.check().map_err(|fault| Failure::new(fault.cause).help(fault.remedy))?;
-    let started = Instant::now();
-    let mut table = Table::open(&args.rays, "ray")?;
-    let columns = Columns::find(&table.header, args.spacetime)?;
-    let mut job = Job { columns, accuracy, tally: Tally::default() };
-    let progress = args.meter.progress;
-    let (input, output, threads) = ((args.rays.as_path(), "rays"), args.output.as_deref(), args.threads);
-    let setup = Setup { input, output, threads, progress };
-    let Some(wrote) = setup.run(&mut table, &mut job)? else { return Ok(Outcome::Good) };
-    say(format!("{}{wrote}", job.tally.line(started.elapsed().as_secs_f64())));
-    Ok(if args.strict && job.tally.lost() > 0 { Outcome::Lost } else { Outcome::Good })
+    let setup = Setup {
+        input: &args.rays,
+        what: ["ray", "rays"],
+        output: args.output.as_deref(),
+        threads: args.threads,
+        progress: args.meter.progress,
+        strict: args.strict,
+    };
+    setup.run(|header| {
+        Ok(Job { columns: Columns::find(header, args.spacetime)?, accuracy, tally: Tally::default() })
+    })
 }
 
 /// How rays are followed, and how they have ended so far.
@@ -81,6 +78,14 @@ impl RowWise for Job {
         self.tally.count(exit.status);
         Ok(())
     }
+
+    fn summary(&self, seconds: f64) -> String {
+        self.tally.line(seconds)
+    }
+
+    fn lost(&self) -> usize {
+        self.tally.of(Status::is_lost)
+    }
 }
 
 /// The cells of [`RESULTS`]; numbers read back exactly.
@@ -120,10 +125,6 @@ impl Tally {
 
     fn of(&self, wanted: impl Fn(Status) -> bool) -> usize {
         Status::ALL.iter().zip(&self.0).filter(|(status, _)| wanted(**status)).map(|(_, count)| count).sum()
-    }
-
-    fn lost(&self) -> usize {
-        self.of(Status::is_lost)
     }
 
     /// Counts and speed, on one line.

@@ -43,6 +43,21 @@ const EDGE: Style = Style::line(Color::BLACK, 1.2);
 const GRID: Style = Style::line(Color("#E6E6E6"), 1.0);
 
 impl Chart {
+    /// A chart with logarithmic axes around all points of `series`.
+    pub fn log_log(title: &str, [x, y]: [&str; 2], size: [f64; 2], series: Vec<Series>) -> Self {
+        let points = || series.iter().flat_map(|series| series.curves.iter().flatten());
+        let x = Axis::log_around(x, points().map(|[x, _]| *x));
+        let y = Axis::log_around(y, points().map(|[_, y]| *y));
+        Self { title: title.to_owned(), x, y, size, series }
+    }
+
+    /// The chart with `line` behind all that it has.
+    #[must_use]
+    pub fn over(mut self, line: Series) -> Self {
+        self.series.insert(0, line);
+        self
+    }
+
     /// Size with all margins.
     pub(super) fn outer_size(&self) -> [f64; 2] {
         let [left, top, right, bottom] = MARGIN;

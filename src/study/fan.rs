@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::table::{Row, Table};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{Cut, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
@@ -128,16 +129,17 @@ impl Fan {
     ///
     /// # Errors
     /// What `out` reports.
-    pub fn write_csv(&self, mut out: impl Write) -> io::Result<()> {
+    pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let reach = self.frame().reach();
-        writeln!(out, "ray,point,x,y,z,fate")?;
+        let mut rows = Vec::new();
         for (ray, trail) in self.trails.iter().enumerate() {
             let fate = Fate::of(&trail.end).name();
             for (point, DVec3 { x, y, z }) in self.drawn(trail, reach).into_iter().enumerate() {
-                writeln!(out, "{ray},{point},{x},{y},{z},{fate}")?;
+                let row = Row::default().cell("ray", ray).cell("point", point);
+                rows.push(row.cell("x", x).cell("y", y).cell("z", z).cell("fate", fate));
             }
         }
-        Ok(())
+        Table::of(rows).write_csv(out)
     }
 
     /// The points of a trail, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.

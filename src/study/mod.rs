@@ -4,19 +4,25 @@
 #![doc = include_str!("columns.md")]
 
 pub mod bench;
+pub(crate) mod camera_rays;
 pub mod compare;
 pub mod connections;
-pub mod ends;
+mod errors;
 pub mod estimate;
 mod fan;
 pub mod forecast;
 pub mod free;
-pub mod lights;
+pub(crate) mod grid;
+pub(crate) mod light_sampling;
 pub mod noise;
-pub mod pareto;
-pub mod reference;
-pub mod report;
-pub mod sweep;
+mod pareto;
+pub(crate) mod reference;
+mod render;
+pub(crate) mod report;
+pub(crate) mod rounds;
+pub(crate) mod table;
+pub(crate) mod table_rays;
+mod trade_off;
 pub mod window;
 
 pub use fan::{Fan, FanError, FanOptions};

@@ -1,6 +1,6 @@
 //! Who races.
 
-use super::Point;
+use super::point::Point;
 use crate::scene::{Baked, Schedule, Settings, StepperKind, flag_name};
 use crate::spacetime::SpacetimeKind;
 

@@ -6,9 +6,10 @@ use std::thread::available_parallelism;
 
 use glam::DVec3;
 
-use super::{Point, room};
+use super::point::Point;
+use super::room::room;
 use crate::scene::{Baked, Precision, StepperKind};
-use crate::study::sweep::tolerances_for;
+use crate::study::grid::tolerances_for;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

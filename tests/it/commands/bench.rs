@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fs;
 
+use crate::support::Row;
 use crate::support::command::{Folder, assert_good, assert_refused, stderr, stdout};
 use serde_json::Value;
 
@@ -23,7 +24,6 @@ emission = 10
 ";
 const SMALL: [&str; 8] = ["--size", "24x16", "--rounds", "2", "--spp", "2", "--threads", "2"];
 
-type Row = HashMap<String, String>;
 /// What is swept, the values asked for, those expected, and what shows them in a row.
 type Sweep = (&'static str, &'static str, &'static [&'static str], fn(&Row) -> f64);
 
@@ -38,19 +38,8 @@ fn race(place: &Folder, flags: &[&str]) -> (Vec<Row>, Value, String) {
     for file in ["out.csv", "out.json", "out.svg", "out.png"] {
         assert!(stderr(&output).contains(file), "{}", stderr(&output));
     }
-    let text = fs::read_to_string(place.path("out.csv")).unwrap();
-    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let header = lines.next().unwrap();
-    let row = |cells: Vec<String>| -> Row {
-        assert_eq!(cells.len(), header.len());
-        header.iter().cloned().zip(cells).collect()
-    };
     let json = serde_json::from_str(&fs::read_to_string(place.path("out.json")).unwrap()).unwrap();
-    (lines.map(row).collect(), json, stdout(&output))
-}
-
-fn number(row: &Row, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|error| panic!("{column} {:?}: {error}", row[column]))
+    (place.rows("out.csv"), json, stdout(&output))
 }
 
 #[test]
@@ -59,17 +48,17 @@ fn contenders_take_turns_and_both_schedules_do_the_same_work() {
     let (rows, json, text) =
         race(&place, &[&SMALL[..], &["--baseline", "per-pixel,paper,flat,wavefront"]].concat());
     let found: Vec<(&str, &str)> =
-        rows.iter().map(|row| (row["contender"].as_str(), row["round"].as_str())).collect();
+        rows.iter().map(|row| (row.text("contender"), row.text("round"))).collect();
     let names = ["wavefront", "per-pixel", "paper", "flat", "wavefront"];
     assert_eq!(found, names.map(|name| [(name, "1"), (name, "2")]).concat());
     for column in ["paths", "rays", "light_rays", "steps", "queries"] {
-        let counts: Vec<f64> = rows[..4].iter().map(|row| number(row, column)).collect();
+        let counts: Vec<f64> = rows[..4].iter().map(|row| row.number(column)).collect();
         assert!(counts[0] > 0.0 && counts.iter().all(|count| *count == counts[0]), "{column}: {counts:?}");
     }
-    assert!(rows.iter().all(|row| number(row, "paths") == 24.0 * 16.0 * 2.0 && number(row, "seconds") > 0.0));
+    assert!(rows.iter().all(|row| row.number("paths") == 24.0 * 16.0 * 2.0 && row.number("seconds") > 0.0));
     // The paper's march takes other steps, flat space one query per ray at most.
-    assert!(number(&rows[4], "steps") != number(&rows[0], "steps"));
-    assert!(number(&rows[6], "queries") <= number(&rows[6], "rays") + number(&rows[6], "light_rays"));
+    assert!(rows[4].number("steps") != rows[0].number("steps"));
+    assert!(rows[6].number("queries") <= rows[6].number("rays") + rows[6].number("light_rays"));
     for part in
         ["2 rounds after one render each to warm up", "same, bit for bit", "paper's scheme", "flat space"]
     {
@@ -95,30 +84,33 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
     let (rows, json, text) = race(&place, &SMALL);
     let wavefront = &rows[0];
     for stage in ["advance", "intersect", "settle"] {
-        assert_eq!(number(wavefront, &format!("{stage}_items")), number(wavefront, "steps"), "{stage}");
+        assert_eq!(wavefront.number(&format!("{stage}_items")), wavefront.number("steps"), "{stage}");
     }
-    let paths = number(wavefront, "generate_items");
-    assert_eq!(paths, number(wavefront, "film_items"));
-    assert!(paths >= number(wavefront, "paths"), "edges of lamps have paths of their own");
+    let paths = wavefront.number("generate_items");
+    assert_eq!(paths, wavefront.number("film_items"));
+    assert!(paths >= wavefront.number("paths"), "edges of lamps have paths of their own");
     // Every ray ends once: at infinity or in the hole, or where it is shaded or brings light.
-    let ended = number(wavefront, "escape_items") + number(wavefront, "scatter_items");
-    assert_eq!(ended, number(wavefront, "rays") + number(wavefront, "light_rays"));
+    let ended = wavefront.number("escape_items") + wavefront.number("scatter_items");
+    assert_eq!(ended, wavefront.number("rays") + wavefront.number("light_rays"));
     let occupancy = &json["points"][0]["contenders"][0]["rounds"][0]["stages"]["occupancy"];
     let lanes = |name: &str| occupancy[name].as_u64().unwrap();
     assert!(lanes("rounds") > 0 && lanes("live") >= lanes("rounds"));
     assert!(lanes("live") <= lanes("blocks") && lanes("live") <= lanes("lanes"), "{occupancy}");
-    let share = number(wavefront, "occupancy");
+    let share = wavefront.number("occupancy");
     assert!(share > 0.0 && share <= 1.0, "{share}");
     let seconds: f64 = ["generate", "advance", "intersect", "settle", "escape", "scatter", "film"]
         .iter()
-        .map(|stage| number(wavefront, &format!("{stage}_seconds")))
+        .map(|stage| wavefront.number(&format!("{stage}_seconds")))
         .sum();
-    let learning = number(wavefront, "learning_seconds");
+    let learning = wavefront.number("learning_seconds");
     assert!(learning > 0.0 && seconds > 0.0);
-    let whole = number(wavefront, "threads") * (number(wavefront, "seconds") - learning);
+    let whole = wavefront.number("threads") * (wavefront.number("seconds") - learning);
     assert!(seconds <= whole, "{seconds} of {whole}");
     let per_pixel = &rows[2];
-    assert!(per_pixel["occupancy"].is_empty() && per_pixel["advance_seconds"].is_empty(), "{per_pixel:?}");
+    assert!(
+        per_pixel.text("occupancy").is_empty() && per_pixel.text("advance_seconds").is_empty(),
+        "{per_pixel:?}"
+    );
     for part in [" generate | ", " learn | ", " rest | ", "lanes in use"] {
         assert!(text.contains(part), "{text}\nlacks {part}");
     }
@@ -133,14 +125,14 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
 fn sweeps_measure_the_values_asked_for() {
     let place = place();
     let cases: [Sweep; 8] = [
-        ("batch", "8,64", &["8", "64"], |row| number(row, "batch")),
-        ("threads", "1,2", &["1", "2"], |row| number(row, "threads")),
-        ("pixels", "96,384", &["96", "384"], |row| number(row, "width") * number(row, "height")),
-        ("spp", "2,16,2", &["2", "16"], |row| number(row, "spp")),
-        ("depth", "1,3", &["1", "3"], |row| number(row, "value")),
-        ("radius", "0.5,2", &["0.5", "2"], |row| number(row, "value")),
-        ("tolerance", "1e-2,1e-6", &["0.01", "0.000001"], |row| number(row, "value")),
-        ("triangles", "100,1000", &["80", "980"], |row| number(row, "value")),
+        ("batch", "8,64", &["8", "64"], |row| row.number("batch")),
+        ("threads", "1,2", &["1", "2"], |row| row.number("threads")),
+        ("pixels", "96,384", &["96", "384"], |row| row.number("width") * row.number("height")),
+        ("spp", "2,16,2", &["2", "16"], |row| row.number("spp")),
+        ("depth", "1,3", &["1", "3"], |row| row.number("value")),
+        ("radius", "0.5,2", &["0.5", "2"], |row| row.number("value")),
+        ("tolerance", "1e-2,1e-6", &["0.01", "0.000001"], |row| row.number("value")),
+        ("triangles", "100,1000", &["80", "980"], |row| row.number("value")),
     ];
     let small = ["--size", "24x16", "--rounds", "1"];
     let mut costs = HashMap::new();
@@ -148,18 +140,18 @@ fn sweeps_measure_the_values_asked_for() {
         let (rows, json, text) =
             race(&place, &[&small[..], &["--sweep", sweep, "--values", values]].concat());
         let pairs: Vec<(&str, &str)> =
-            rows.iter().map(|row| (row["value"].as_str(), row["contender"].as_str())).collect();
+            rows.iter().map(|row| (row.text("value"), row.text("contender"))).collect();
         let both = |value: &&'static str| [(*value, "wavefront"), (*value, "per-pixel")];
         assert_eq!(pairs, expected.iter().flat_map(both).collect::<Vec<_>>(), "{sweep}");
         assert!(
-            rows.iter().all(|row| row["sweep"] == sweep && found(row) == number(row, "value")),
+            rows.iter().all(|row| row.text("sweep") == sweep && found(row) == row.number("value")),
             "{rows:?}"
         );
         assert_eq!(json["sweep"], sweep);
         assert_eq!(json["points"].as_array().unwrap().len(), 2);
         // A table with two lines above its rows, one line before it, and one per contender after it.
         assert_eq!(text.lines().count(), 2 + 2 + 4 + 1 + 2, "{text}");
-        costs.insert(sweep, [&rows[0], &rows[2]].map(|row| (number(row, "rays"), number(row, "steps"))));
+        costs.insert(sweep, [&rows[0], &rows[2]].map(|row| (row.number("rays"), row.number("steps"))));
     }
     let grows = |sweep: &str, part: fn(&(f64, f64)) -> f64| part(&costs[sweep][1]) / part(&costs[sweep][0]);
     assert_eq!((grows("batch", |c| c.0), grows("threads", |c| c.1)), (1.0, 1.0));

@@ -1,7 +1,6 @@
 //! `warpfront compare` as a user meets it: the verdict on rendered pictures, the files, exit codes and messages.
 
 use std::fs;
-use std::ops::Deref;
 use std::process::Output;
 
 use crate::support::command::{Folder, assert_code, assert_refused, stderr, stdout};
@@ -33,69 +32,48 @@ sphere = { center = [1.5, 2, 0], radius = 0.6 }
 material = \"lamp\"
 ";
 
-/// A folder with a scene in it, in which the command runs.
-struct Place(Folder);
-
-impl Deref for Place {
-    type Target = Folder;
-
-    fn deref(&self) -> &Folder {
-        &self.0
-    }
+fn folder() -> Folder {
+    Folder::with(&[("scene.toml", SCENE)])
 }
 
-impl Place {
-    fn new() -> Self {
-        Self(Folder::with(&[("scene.toml", SCENE)]))
-    }
+/// With the pictures `a.exr` and `b.exr` of different seeds, with variances.
+fn two_seeds() -> Folder {
+    let place = folder();
+    render(&place, "a.exr", &["--seed", "1", "--aov", "variance,depth"]);
+    render(&place, "b.exr", &["--seed", "2", "--aov", "variance,depth"]);
+    place
+}
 
-    /// With the pictures `a.exr` and `b.exr` of different seeds, with variances.
-    fn with_two_seeds() -> Self {
-        let place = Self::new();
-        place.render("a.exr", &["--seed", "1", "--aov", "variance,depth"]);
-        place.render("b.exr", &["--seed", "2", "--aov", "variance,depth"]);
-        place
-    }
+fn render(place: &Folder, name: &str, flags: &[&str]) {
+    let output = place.run(&[&["render", "scene.toml", "--no-png", "-o", name], flags].concat());
+    assert_code(&output, 0);
+}
 
-    fn render(&self, name: &str, flags: &[&str]) {
-        let output = self.run(&[&["render", "scene.toml", "--no-png", "-o", name], flags].concat());
-        assert_code(&output, 0);
-    }
+fn compare(place: &Folder, flags: &[&str]) -> Output {
+    place.run(&[&["compare", "a.exr", "b.exr"], flags].concat())
+}
 
-    fn compare(&self, flags: &[&str]) -> Output {
-        self.run(&[&["compare", "a.exr", "b.exr"], flags].concat())
-    }
+fn as_json(place: &Folder, flags: &[&str]) -> serde_json::Value {
+    let output = compare(place, &[&["--json"], flags].concat());
+    assert_code(&output, 0);
+    serde_json::from_slice(&output.stdout).unwrap()
+}
 
-    fn json(&self, flags: &[&str]) -> serde_json::Value {
-        let output = self.compare(&[&["--json"], flags].concat());
-        assert_code(&output, 0);
-        serde_json::from_slice(&output.stdout).unwrap()
-    }
-
-    /// Reads a picture, lets `edit` change it, and writes it back.
-    fn edit(&self, name: &str, edit: impl Fn(&mut Image)) {
-        let mut image = read_exr(&self.path(name)).unwrap();
-        edit(&mut image);
-        write_exr(&image, fs::File::create(self.path(name)).unwrap()).unwrap();
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.folder()).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
+/// Reads a picture, lets `edit` change it, and writes it back.
+fn edit(place: &Folder, name: &str, edit: impl Fn(&mut Image)) {
+    let mut image = read_exr(&place.path(name)).unwrap();
+    edit(&mut image);
+    write_exr(&image, fs::File::create(place.path(name)).unwrap()).unwrap();
 }
 
 #[test]
 fn two_seeds_of_a_scene_are_the_same_within_noise() {
-    let place = Place::with_two_seeds();
-    let output = place.compare(&["--strict"]);
+    let place = two_seeds();
+    let output = compare(&place, &["--strict"]);
     assert_code(&output, 0);
     let text = stdout(&output);
     assert!(text.contains("verdict      same within noise\n") && text.contains("depth.Z"), "{text}");
-    let json = place.json(&[]);
+    let json = as_json(&place, &[]);
     assert_eq!((&json["a"], &json["verdict"]), (&"a.exr".into(), &"within-noise".into()));
     assert!(json["beauty"]["rmse"].as_f64().unwrap() > 0.0);
     assert_eq!(json["noise"]["same_seed"], false);
@@ -104,22 +82,22 @@ fn two_seeds_of_a_scene_are_the_same_within_noise() {
 
 #[test]
 fn a_changed_scene_differs() {
-    let place = Place::with_two_seeds();
+    let place = two_seeds();
     let flags = ["--seed", "3", "--aov", "variance", "--set", "environment.color=[0.1,0.2,0.33]"];
-    place.render("b.exr", &flags);
-    let output = place.compare(&["--strict"]);
+    render(&place, "b.exr", &flags);
+    let output = compare(&place, &["--strict"]);
     assert_code(&output, 1);
     assert!(stdout(&output).contains("verdict      differ: so large a deviation"), "{}", stdout(&output));
     assert!(stdout(&output).contains("only in A    depth.Z\n"), "{}", stdout(&output));
     assert!(stderr(&output).contains("--strict"));
-    let json = place.json(&[]);
+    let json = as_json(&place, &[]);
     assert_eq!((&json["verdict"], &json["only_a"][0]), (&"differ".into(), &"depth.Z".into()));
     assert_eq!(json["noise"]["largest"]["channel"], "B");
 }
 
 #[test]
 fn a_picture_is_identical_with_itself() {
-    let place = Place::with_two_seeds();
+    let place = two_seeds();
     let output =
         place.run(&["compare", "a.exr", "a.exr", "--strict", "--max-rmse", "0", "--max-relmse", "0"]);
     assert_code(&output, 0);
@@ -129,39 +107,39 @@ fn a_picture_is_identical_with_itself() {
 
 #[test]
 fn without_variances_nothing_is_said_about_noise() {
-    let place = Place::new();
-    place.render("a.exr", &["--seed", "1"]);
-    place.render("b.exr", &["--seed", "2", "--aov", "variance"]);
-    let output = place.compare(&[]);
+    let place = folder();
+    render(&place, "a.exr", &["--seed", "1"]);
+    render(&place, "b.exr", &["--seed", "2", "--aov", "variance"]);
+    let output = compare(&place, &[]);
     assert_code(&output, 0);
     assert!(stdout(&output).contains("--aov variance"), "{}", stdout(&output));
-    assert_code(&place.compare(&["--strict"]), 1);
-    assert!(place.json(&[])["noise"].is_null());
+    assert_code(&compare(&place, &["--strict"]), 1);
+    assert!(as_json(&place, &[])["noise"].is_null());
 }
 
 #[test]
 fn a_shared_seed_is_told() {
-    let place = Place::new();
-    place.render("a.exr", &["--aov", "variance"]);
-    place.render("b.exr", &["--aov", "variance", "--max-depth", "2"]);
-    assert!(stdout(&place.compare(&[])).contains("same seed"));
+    let place = folder();
+    render(&place, "a.exr", &["--aov", "variance"]);
+    render(&place, "b.exr", &["--aov", "variance", "--max-depth", "2"]);
+    assert!(stdout(&compare(&place, &[])).contains("same seed"));
 }
 
 #[test]
 fn differences_beyond_a_bound_are_exit_code_1() {
-    let place = Place::with_two_seeds();
-    let rmse = place.json(&[])["beauty"]["rmse"].as_f64().unwrap();
-    assert_code(&place.compare(&["--max-rmse", &(1.01 * rmse).to_string(), "--max-relmse", "1e6"]), 0);
-    let output = place.compare(&["--max-rmse", &(0.99 * rmse).to_string()]);
+    let place = two_seeds();
+    let rmse = as_json(&place, &[])["beauty"]["rmse"].as_f64().unwrap();
+    assert_code(&compare(&place, &["--max-rmse", &(1.01 * rmse).to_string(), "--max-relmse", "1e6"]), 0);
+    let output = compare(&place, &["--max-rmse", &(0.99 * rmse).to_string()]);
     assert_code(&output, 1);
     assert!(stderr(&output).contains("--max-rmse"), "{}", stderr(&output));
-    assert_code(&place.compare(&["--max-relmse", "1e-9"]), 1);
+    assert_code(&compare(&place, &["--max-relmse", "1e-9"]), 1);
 }
 
 #[test]
 fn the_difference_is_written_with_its_sign_and_its_picture() {
-    let place = Place::with_two_seeds();
-    let output = place.compare(&["-o", "diff.exr", "--png", "diff.png"]);
+    let place = two_seeds();
+    let output = compare(&place, &["-o", "diff.exr", "--png", "diff.png"]);
     assert_code(&output, 0);
     assert!(stderr(&output).contains("diff.exr") && stderr(&output).contains("logarithmic"));
     assert_eq!(place.files(), ["a.exr", "b.exr", "diff.exr", "diff.png", "scene.toml"]);
@@ -178,63 +156,63 @@ fn the_difference_is_written_with_its_sign_and_its_picture() {
 
 #[test]
 fn values_that_are_not_finite_are_told_and_count_as_a_difference() {
-    let place = Place::with_two_seeds();
-    place.edit("a.exr", |image| image.planes[0].values[5] = f32::NAN);
-    let output = place.compare(&["--max-rmse", "1e6"]);
+    let place = two_seeds();
+    edit(&place, "a.exr", |image| image.planes[0].values[5] = f32::NAN);
+    let output = compare(&place, &["--max-rmse", "1e6"]);
     assert_code(&output, 1);
     let text = stdout(&output);
     assert!(text.contains("R: 1 pair is not finite, 1 of them unequal"), "{text}");
     // The sky, in both.
     assert!(text.contains("depth.Z: ") && text.contains("pairs are not finite"), "{text}");
     assert!(text.contains("verdict      differ: values that are not finite"), "{text}");
-    assert_code(&place.compare(&["--strict"]), 1);
-    assert!(place.json(&[])["beauty"]["rmse"].is_f64());
+    assert_code(&compare(&place, &["--strict"]), 1);
+    assert!(as_json(&place, &[])["beauty"]["rmse"].is_f64());
 }
 
 #[test]
 fn pictures_of_other_sizes_windows_and_channels_are_refused() {
-    let place = Place::new();
-    place.render("a.exr", &[]);
-    place.render("b.exr", &["--size", "24x18"]);
-    assert_refused(&place.compare(&[]), &["`a.exr`", "48x36", "`b.exr`", "24x18", "help:", "--size"]);
-    place.render("b.exr", &["--crop", "0,0,8,8"]);
-    assert_refused(&place.compare(&["-o", "d.exr"]), &["`b.exr`", "8x8", "help:", "--crop"]);
-    place.render("b.exr", &[]);
-    place.edit("b.exr", |image| image.planes.retain(|plane| plane.name != "G"));
-    assert_refused(&place.compare(&[]), &["`b.exr` has no channel G", "help:"]);
+    let place = folder();
+    render(&place, "a.exr", &[]);
+    render(&place, "b.exr", &["--size", "24x18"]);
+    assert_refused(&compare(&place, &[]), &["`a.exr`", "48x36", "`b.exr`", "24x18", "help:", "--size"]);
+    render(&place, "b.exr", &["--crop", "0,0,8,8"]);
+    assert_refused(&compare(&place, &["-o", "d.exr"]), &["`b.exr`", "8x8", "help:", "--crop"]);
+    render(&place, "b.exr", &[]);
+    edit(&place, "b.exr", |image| image.planes.retain(|plane| plane.name != "G"));
+    assert_refused(&compare(&place, &[]), &["`b.exr` has no channel G", "help:"]);
     assert_eq!(place.files(), ["a.exr", "b.exr", "scene.toml"]);
 }
 
 #[test]
 fn files_that_are_missing_or_no_pictures_are_refused_by_name() {
-    let place = Place::new();
-    place.render("a.exr", &["--spp", "1"]);
-    assert_refused(&place.compare(&[]), &["`b.exr`", "help:"]);
+    let place = folder();
+    render(&place, "a.exr", &["--spp", "1"]);
+    assert_refused(&compare(&place, &[]), &["`b.exr`", "help:"]);
     for bytes in [&b""[..], b"no picture", b"\x76\x2f\x31\x01\x02\x00\x00\x00 but no more"] {
         fs::write(place.path("b.exr"), bytes).unwrap();
-        assert_refused(&place.compare(&["--json"]), &["`b.exr`", "help:"]);
+        assert_refused(&compare(&place, &["--json"]), &["`b.exr`", "help:"]);
     }
     let whole = fs::read(place.path("a.exr")).unwrap();
     fs::write(place.path("b.exr"), &whole[..whole.len() / 2]).unwrap();
-    assert_refused(&place.compare(&[]), &["`b.exr`", "help:"]);
+    assert_refused(&compare(&place, &[]), &["`b.exr`", "help:"]);
 }
 
 #[test]
 fn an_output_does_not_replace_a_picture_to_compare() {
-    let place = Place::new();
-    place.render("a.exr", &["--spp", "1"]);
-    place.render("b.exr", &["--spp", "2"]);
+    let place = folder();
+    render(&place, "a.exr", &["--spp", "1"]);
+    render(&place, "b.exr", &["--spp", "2"]);
     let before = fs::read(place.path("b.exr")).unwrap();
     for name in ["b.exr", "./b.exr"] {
-        assert_refused(&place.compare(&["-o", name]), &[name, "pictures to compare", "help:"]);
+        assert_refused(&compare(&place, &["-o", name]), &[name, "pictures to compare", "help:"]);
     }
     assert_eq!(fs::read(place.path("b.exr")).unwrap(), before);
-    assert_refused(&place.compare(&["-o", "nowhere/d.exr"]), &["`nowhere/d.exr`", "does not exist"]);
+    assert_refused(&compare(&place, &["-o", "nowhere/d.exr"]), &["`nowhere/d.exr`", "does not exist"]);
 }
 
 #[test]
 fn bad_flags_are_refused_with_a_remedy() {
-    let place = Place::new();
+    let place = folder();
     let cases: &[(&[&str], &[&str])] = &[
         (&["--max-rmse", "-1"], &["--max-rmse", "'-1'", "from 0"]),
         (&["--max-relmse", "nan"], &["--max-relmse", "'nan'", "from 0"]),
@@ -242,6 +220,6 @@ fn bad_flags_are_refused_with_a_remedy() {
         (&["--png", "d.exr"], &["--png", ".png"]),
     ];
     for (flags, said) in cases {
-        assert_refused(&place.compare(flags), said);
+        assert_refused(&compare(&place, flags), said);
     }
 }

@@ -1,7 +1,6 @@
 //! `warpfront connect` as a user meets it: every row of an exact table, the files, messages and exit codes.
 
 use std::fs;
-use std::ops::Deref;
 use std::path::PathBuf;
 use std::process::Output;
 
@@ -15,51 +14,26 @@ const HEADER: &str = "rs,x0,x1,x2,y0,y1,y2\n";
 /// Directions at both ends.
 const DIRECTIONS: [[&str; 3]; 2] = [["dx0", "dx1", "dx2"], ["dy0", "dy1", "dy2"]];
 
-/// A folder in which the command runs.
-struct Place(Folder);
-
-impl Deref for Place {
-    type Target = Folder;
-
-    fn deref(&self) -> &Folder {
-        &self.0
-    }
+/// With the pairs of `text` in `pairs.csv`.
+fn folder(text: &str) -> Folder {
+    Folder::with(&[("pairs.csv", text)])
 }
 
-impl Place {
-    /// With the pairs of `text` in `pairs.csv`.
-    fn with(text: &str) -> Self {
-        Self(Folder::with(&[("pairs.csv", text)]))
-    }
+/// With the exact table in `pairs.csv`.
+fn exact_pairs() -> Folder {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(EXACT);
+    folder(&fs::read_to_string(path).unwrap())
+}
 
-    /// With the exact table in `pairs.csv`.
-    fn with_exact_pairs() -> Self {
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(EXACT);
-        Self::with(&fs::read_to_string(path).unwrap())
-    }
+/// Runs `connect` on `pairs.csv`.
+fn connect(place: &Folder, flags: &[&str]) -> Output {
+    place.run(&[&["connect", "pairs.csv"], flags].concat())
+}
 
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    /// Runs `connect` on `pairs.csv`.
-    fn connect(&self, flags: &[&str]) -> Output {
-        self.run(&[&["connect", "pairs.csv"], flags].concat())
-    }
-
-    /// The rows that `connect` writes.
-    fn rows(&self, flags: &[&str]) -> Vec<Row> {
-        assert_code(&self.connect(&[&["-o", "out.csv"], flags].concat()), 0);
-        table(self.path("out.csv").to_str().unwrap())
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.folder()).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
+/// The rows that `connect` writes.
+fn connected(place: &Folder, flags: &[&str]) -> Vec<Row> {
+    assert_code(&connect(place, &[&["-o", "out.csv"], flags].concat()), 0);
+    table(place.path("out.csv").to_str().unwrap())
 }
 
 /// Relative error, or absolute below 1.
@@ -69,7 +43,7 @@ fn error(found: &Row, exact: &Row, column: &str) -> f64 {
 
 #[test]
 fn every_exact_connection_is_found_and_no_other() {
-    let found = Place::with_exact_pairs().rows(&["--max-winding", "3"]);
+    let found = connected(&exact_pairs(), &["--max-winding", "3"]);
     let exact = table(EXACT);
     assert_eq!(found.len(), exact.len());
     let mut worst = [0.0_f64; 7];
@@ -103,8 +77,8 @@ fn every_exact_connection_is_found_and_no_other() {
 
 #[test]
 fn the_table_has_the_columns_of_the_exact_one_below_the_settings() {
-    let place = Place::with_exact_pairs();
-    place.rows(&[]);
+    let place = exact_pairs();
+    connected(&place, &[]);
     let header = |text: &str| text.lines().find(|line| !line.starts_with('#')).unwrap().to_owned();
     let text = place.read("out.csv");
     assert_eq!(header(&text), header(&place.read("pairs.csv")));
@@ -123,10 +97,10 @@ fn threads_change_no_byte_and_chunks_no_order() {
     for i in 0..20_000 {
         text += &format!("1,{},0,0,-1,{},0\n", 10.0 + f64::from(i) * 1e-3, 1.0 + f64::from(i) * 1e-4);
     }
-    let place = Place::with(&text);
-    let rows = place.rows(&["--threads", "1"]);
+    let place = folder(&text);
+    let rows = connected(&place, &["--threads", "1"]);
     let one = place.read("out.csv");
-    place.rows(&["--threads", "2"]);
+    connected(&place, &["--threads", "2"]);
     assert_eq!(one, place.read("out.csv"));
     assert_eq!(rows.len(), 40_000);
     for (i, row) in rows.iter().enumerate() {
@@ -136,11 +110,11 @@ fn threads_change_no_byte_and_chunks_no_order() {
 
 #[test]
 fn a_pair_on_several_rows_is_one_pair_and_other_columns_do_not_matter() {
-    let place = Place::with(
+    let place = folder(
         "# by hand\r\n note ,y2,y1,y0, x2 ,x1,x0,rs,kind,pair\r\n\"a, b\",0,1,-3e0,0,0,5,1,\"x, y\",first\r\n\
          # between\r\n,0,1,-3,0,0,5.0,1,z,first\r\n,0,1,-3,0,0,5.0,1,z,second\r\n",
     );
-    let output = place.connect(&["--max-winding", "0"]);
+    let output = connect(&place, &["--max-winding", "0"]);
     assert_code(&output, 0);
     let text = String::from_utf8_lossy(&output.stdout);
     let lines: Vec<&str> = text.lines().collect();
@@ -152,8 +126,10 @@ fn a_pair_on_several_rows_is_one_pair_and_other_columns_do_not_matter() {
 
 #[test]
 fn points_on_a_line_with_the_hole_are_joined_once() {
-    let rows = Place::with(&format!("{HEADER}1,2,0,0,5,0,0\n1,2,0,0,-5,0,0\n2,0.3,0.6,0.9,0.1e1,2,3\n"))
-        .rows(&["--max-winding", "3"]);
+    let rows = connected(
+        &folder(&format!("{HEADER}1,2,0,0,5,0,0\n1,2,0,0,-5,0,0\n2,0.3,0.6,0.9,0.1e1,2,3\n")),
+        &["--max-winding", "3"],
+    );
     assert_eq!(rows.len(), 3);
     for row in [&rows[0], &rows[2]] {
         assert_eq!([row.number("winding"), row.number("Phi"), row.number("b")], [0.0; 3]);
@@ -188,8 +164,8 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
         ),
     ];
     for (text, said) in cases {
-        let place = Place::with(&text);
-        let output = place.connect(&["-o", "out.csv"]);
+        let place = folder(&text);
+        let output = connect(&place, &["-o", "out.csv"]);
         assert_refused(&output, &[&["`pairs.csv`", "help: "], said].concat());
         assert_eq!(place.files(), ["pairs.csv"], "{text}");
     }
@@ -197,10 +173,10 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
 
 #[test]
 fn bad_arguments_are_refused() {
-    let place = Place::with(&format!("{HEADER}1,10,3,0,-1,0,0\n"));
-    assert_refused(&place.connect(&["--max-winding", "-1"]), &["--max-winding", "from 0 to 8"]);
-    assert_refused(&place.connect(&["-o", "pairs.csv"]), &["the table of pairs itself"]);
-    assert_refused(&place.connect(&["-o", "missing/out.csv"]), &["missing", "does not exist"]);
+    let place = folder(&format!("{HEADER}1,10,3,0,-1,0,0\n"));
+    assert_refused(&connect(&place, &["--max-winding", "-1"]), &["--max-winding", "from 0 to 8"]);
+    assert_refused(&connect(&place, &["-o", "pairs.csv"]), &["the table of pairs itself"]);
+    assert_refused(&connect(&place, &["-o", "missing/out.csv"]), &["missing", "does not exist"]);
     assert_refused(&place.run(&["connect", "none.csv"]), &["cannot read `none.csv`", "pair of points"]);
     assert_eq!(place.files(), ["pairs.csv"]);
 }

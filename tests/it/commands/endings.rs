@@ -68,16 +68,6 @@ fn render(place: &Folder, flags: &[&str]) -> Output {
     place.run(&arguments(flags))
 }
 
-/// All that lies beside the scene.
-fn files(place: &Folder) -> Vec<String> {
-    let entries = fs::read_dir(place.folder()).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-    names.retain(|name| name != "scene.toml");
-    names.sort();
-    names
-}
-
 /// Samples per pixel that the picture tells.
 fn spp(place: &Folder) -> u32 {
     let image = read_exr(&place.path("out.exr")).unwrap();
@@ -103,7 +93,7 @@ fn more_samples_than_there_are_random_numbers_for_are_refused() {
     {
         assert_refused(&render(&place, &flags), &["spp"]);
     }
-    assert!(files(&place).is_empty());
+    assert!(place.files_but("scene.toml").is_empty());
 }
 
 #[test]
@@ -122,7 +112,7 @@ fn a_picture_without_any_sample_replaces_nothing_and_is_no_success() {
         assert_code(&output, 1);
         assert!(stderr(&output).contains("error: the time limit was over before any pixel had a sample"));
         assert_eq!(fs::read_to_string(place.path("out.exr")).unwrap(), "yesterday");
-        assert_eq!(files(&place), ["out.exr"]);
+        assert_eq!(place.files_but("scene.toml"), ["out.exr"]);
     }
 }
 
@@ -232,7 +222,7 @@ fn an_interrupted_render_keeps_its_picture_and_ends_by_the_signal() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.signal(), Some(number), "{}", stderr(&output));
         assert!(stderr(&output).contains("of 1000000 samples"), "{}", stderr(&output));
-        assert_eq!(files(&place), ["out.exr"]);
+        assert_eq!(place.files_but("scene.toml"), ["out.exr"]);
         assert!(spp(&place) >= 1);
     }
 }
@@ -249,7 +239,7 @@ fn an_interruption_before_there_is_a_picture_ends_the_process_at_once_and_keeps_
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.signal(), Some(15), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(place.path("out.exr")).unwrap(), "yesterday");
-    assert_eq!(files(&place), ["out.exr"]);
+    assert_eq!(place.files_but("scene.toml"), ["out.exr"]);
 }
 
 #[cfg(unix)]
@@ -259,7 +249,7 @@ fn a_killed_render_leaves_nothing() {
     let mut child = started(&place, &[]);
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(files(&place).is_empty(), "{:?}", files(&place));
+    assert!(place.files_but("scene.toml").is_empty(), "{:?}", place.files_but("scene.toml"));
 }
 
 #[cfg(target_os = "linux")]

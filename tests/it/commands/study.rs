@@ -1,12 +1,11 @@
 //! `warpfront study`: the files, the numbers in them, and what is refused.
 
-use std::collections::HashMap;
 use std::fs;
-use std::ops::Deref;
 use std::path::PathBuf;
 use std::process::Output;
 
-use crate::support::command::{Folder, assert_refused, stderr};
+use crate::support::Row;
+use crate::support::command::{Folder, assert_good, assert_refused, stderr, stdout};
 
 /// A hole of r_s = 1 between the camera and a wall.
 const SCENE: &str = "
@@ -24,93 +23,72 @@ disk = { center = [0, 0, -6], normal = [0, 0, 1], outer = 6 }
 ";
 const SMALL: [&str; 6] = ["--size", "24x18", "--rounds", "1", "--spp", "1"];
 
-struct Place(Folder);
-
-impl Deref for Place {
-    type Target = Folder;
-
-    fn deref(&self) -> &Folder {
-        &self.0
-    }
+fn folder(scene: &str) -> Folder {
+    Folder::with(&[("scene.toml", scene)])
 }
 
-impl Place {
-    fn new(scene: &str) -> Self {
-        Self(Folder::with(&[("scene.toml", scene)]))
-    }
-
-    fn study(&self, prefix: &str, flags: &[&str]) -> Output {
-        self.run(&[&["study", "scene.toml", "-o", prefix], flags].concat())
-    }
-
-    /// Studies the rays of `text`.
-    fn study_rays(&self, text: &str, flags: &[&str]) -> Output {
-        fs::write(self.path("rays.csv"), text).unwrap();
-        self.run(&[&["study", "--rays", "rays.csv", "-o", "study", "--rounds", "1"], flags].concat())
-    }
-
-    /// The rows of a small study by column, and what was printed.
-    fn rows(&self, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
-        self.written(&self.study("study", &[&SMALL, flags].concat()))
-    }
-
-    /// The rows of a study of the rays of `text` by column, and what was printed.
-    fn ray_rows(&self, text: &str, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
-        self.written(&self.study_rays(text, flags))
-    }
-
-    fn written(&self, output: &Output) -> (Vec<HashMap<String, String>>, String) {
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
-        let text = fs::read_to_string(self.path("study.csv")).unwrap();
-        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-        let header = lines.next().unwrap();
-        let row = |cells: Vec<String>| {
-            assert_eq!(cells.len(), header.len());
-            header.iter().cloned().zip(cells).collect()
-        };
-        (lines.map(row).collect(), String::from_utf8(output.stdout.clone()).unwrap())
-    }
+fn study(place: &Folder, prefix: &str, flags: &[&str]) -> Output {
+    place.run(&[&["study", "scene.toml", "-o", prefix], flags].concat())
 }
 
-fn number(row: &HashMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|error| panic!("{column} {:?}: {error}", row[column]))
+/// Studies the rays of `text`.
+fn study_rays(place: &Folder, text: &str, flags: &[&str]) -> Output {
+    fs::write(place.path("rays.csv"), text).unwrap();
+    place.run(&[&["study", "--rays", "rays.csv", "-o", "study", "--rounds", "1"], flags].concat())
+}
+
+/// The rows of a small study by column, and what was printed.
+fn scene_rows(place: &Folder, flags: &[&str]) -> (Vec<Row>, String) {
+    written(place, &study(place, "study", &[&SMALL, flags].concat()))
+}
+
+/// The rows of a study of the rays of `text` by column, and what was printed.
+fn ray_rows(place: &Folder, text: &str, flags: &[&str]) -> (Vec<Row>, String) {
+    written(place, &study_rays(place, text, flags))
+}
+
+fn written(place: &Folder, output: &Output) -> (Vec<Row>, String) {
+    assert_good(output);
+    (place.rows("study.csv"), stdout(output))
 }
 
 #[test]
 fn tighter_tolerances_have_smaller_errors_and_more_steps() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     let (rows, table) =
-        place.rows(&["--steppers", "rkn4,rkn6", "--precisions", "f64", "--tolerances", "1e-4,1e-9"]);
+        scene_rows(&place, &["--steppers", "rkn4,rkn6", "--precisions", "f64", "--tolerances", "1e-4,1e-9"]);
     assert_eq!(rows.len(), 4);
     for pair in rows.chunks(2) {
         let [loose, tight] = pair else { panic!() };
-        assert_eq!(
-            (loose["tolerance"].as_str(), tight["stepper"].as_str()),
-            ("0.0001", loose["stepper"].as_str())
-        );
+        assert_eq!((loose.text("tolerance"), tight.text("stepper")), ("0.0001", loose.text("stepper")));
         for error in ["position_p99", "direction_p99", "footprint_p99", "footprint_median", "position_rmse"] {
-            assert!(number(tight, error) < 0.1 * number(loose, error), "{error}: {pair:?}");
+            assert!(tight.number(error) < 0.1 * loose.number(error), "{error}: {pair:?}");
         }
-        assert!(number(loose, "footprint_p99") < 1.0 && number(tight, "footprint_p99") < 1e-3);
-        assert!(number(tight, "steps_per_ray") > number(loose, "steps_per_ray"));
-        assert!(pair.iter().all(|row| number(row, "rays") == 432.0 && number(row, "differ") < 0.05));
+        assert!(loose.number("footprint_p99") < 1.0 && tight.number("footprint_p99") < 1e-3);
+        assert!(tight.number("steps_per_ray") > loose.number("steps_per_ray"));
+        assert!(pair.iter().all(|row| row.number("rays") == 432.0 && row.number("differ") < 0.05));
         assert!(
-            pair.iter().all(|row| number(row, "ns_per_ray") > 0.0 && number(row, "paths_per_second") > 0.0)
+            pair.iter().all(|row| row.number("ns_per_ray") > 0.0 && row.number("paths_per_second") > 0.0)
         );
     }
     let marked = table.lines().filter(|line| line.contains('*')).count();
-    let on_front = rows.iter().filter(|row| row["pareto"] == "1").count();
+    let on_front = rows.iter().filter(|row| row.text("pareto") == "1").count();
     assert!(marked == on_front && on_front > 0 && table.lines().count() == 6, "{table}");
 }
 
 #[test]
 fn all_steppers_are_studied_and_the_one_without_tolerance_once() {
-    let place = Place::new(SCENE);
-    let (rows, table) = place.rows(&["--tolerances", "1e-3,1e-6", "--schedules", "wavefront,per-pixel"]);
-    let count = |stepper: &str| rows.iter().filter(|row| row["stepper"] == stepper).count();
+    let place = folder(SCENE);
+    let (rows, table) =
+        scene_rows(&place, &["--tolerances", "1e-3,1e-6", "--schedules", "wavefront,per-pixel"]);
+    let count = |stepper: &str| rows.iter().filter(|row| row.text("stepper") == stepper).count();
     // One of the tolerances is too fine for f32.
     assert_eq!((count("rkn4"), count("rkn6"), count("rk4-paper")), (6, 6, 2));
-    assert!(rows.iter().filter(|row| row["stepper"] == "rk4-paper").all(|row| row["tolerance"].is_empty()));
+    assert!(
+        rows.iter()
+            .filter(|row| row.text("stepper") == "rk4-paper")
+            .all(|row| row.text("tolerance").is_empty())
+    );
     assert!(table.contains("rk4-paper") && table.contains("per-pixel"), "{table}");
     let svg = fs::read_to_string(place.path("study.svg")).unwrap();
     for part in [
@@ -130,13 +108,13 @@ fn all_steppers_are_studied_and_the_one_without_tolerance_once() {
 #[test]
 fn schedules_have_the_same_errors() {
     let flags = ["--steppers", "rkn6", "--tolerances", "1e-4", "--schedules", "wavefront,per-pixel"];
-    let (rows, _) = Place::new(SCENE).rows(&flags);
+    let (rows, _) = scene_rows(&folder(SCENE), &flags);
     assert_eq!(rows.len(), 4);
     for precision in ["f64", "f32"] {
         let errors: Vec<&str> = rows
             .iter()
-            .filter(|row| row["precision"] == precision)
-            .map(|row| row["footprint_rmse"].as_str())
+            .filter(|row| row.text("precision") == precision)
+            .map(|row| row.text("footprint_rmse"))
             .collect();
         assert!(errors.len() == 2 && errors[0] == errors[1], "{errors:?}");
     }
@@ -144,11 +122,11 @@ fn schedules_have_the_same_errors() {
 
 #[test]
 fn every_stepper_has_a_curve_per_precision_and_the_papers_one_point() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     let steppers = ["--steppers", "rkn6,rk4-paper"];
-    let (rows, table) = place.rows(&[&steppers[..], &["--tolerances", "1e-3,1e-7"]].concat());
+    let (rows, table) = scene_rows(&place, &[&steppers[..], &["--tolerances", "1e-3,1e-7"]].concat());
     let found: Vec<_> =
-        rows.iter().map(|row| ["stepper", "precision", "tolerance"].map(|c| &row[c])).collect();
+        rows.iter().map(|row| ["stepper", "precision", "tolerance"].map(|c| row.text(c))).collect();
     let expected = [
         ["rkn6", "f64", "0.001"],
         ["rkn6", "f64", "0.0000001"],
@@ -157,14 +135,17 @@ fn every_stepper_has_a_curve_per_precision_and_the_papers_one_point() {
     ];
     assert_eq!(found, expected);
     // The precisions differ, but less than the tolerance does.
-    let p99 = |row: usize| number(&rows[row], "direction_p99");
-    assert!(rows[0]["direction_p99"] != rows[2]["direction_p99"] && p99(1) < 0.1 * p99(2), "{rows:?}");
+    let p99 = |row: usize| rows[row].number("direction_p99");
+    assert!(
+        rows[0].text("direction_p99") != rows[2].text("direction_p99") && p99(1) < 0.1 * p99(2),
+        "{rows:?}"
+    );
     assert!(p99(2) < 3.0 * p99(0) + 1e-4, "{rows:?}");
     assert!(table.contains("precision") && table.contains("f32"), "{table}");
     let svg = fs::read_to_string(place.path("study.svg")).unwrap();
     assert!(svg.contains(">rkn6<") && svg.contains(">rkn6 f32<") && svg.contains("stroke-dasharray"));
-    let (rows, _) = place.rows(&[&steppers[..], &["--precisions", "f32"]].concat());
-    assert_eq!(rows.iter().filter(|row| row["precision"] == "f32").count(), 3);
+    let (rows, _) = scene_rows(&place, &[&steppers[..], &["--precisions", "f32"]].concat());
+    assert_eq!(rows.iter().filter(|row| row.text("precision") == "f32").count(), 3);
 }
 
 /// Rays of a table without and with their ends: one around the hole, one straight out, one into it.
@@ -178,34 +159,32 @@ fn exact_rays() -> String {
 
 #[test]
 fn the_tolerance_holds_on_every_exact_ray() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     let flags = ["--steppers", "rkn6,dop853", "--precisions", "f64", "--tolerances", "1e-3,1e-6,1e-9"];
-    let (rows, table) = place.ray_rows(&exact_rays(), &flags);
+    let (rows, table) = ray_rows(&place, &exact_rays(), &flags);
     assert_eq!(rows.len(), 6);
     for row in &rows {
-        assert_eq!((number(row, "rays"), number(row, "differ")), (200.0, 0.0), "{row:?}");
-        assert!(number(row, "compared") > 100.0);
-        assert_eq!(number(row, "above_tolerance"), 0.0, "{row:?}");
-        let (worst, tolerance) = (number(row, "worst_over_tolerance"), number(row, "tolerance"));
+        assert_eq!((row.number("rays"), row.number("differ")), (200.0, 0.0), "{row:?}");
+        assert!(row.number("compared") > 100.0);
+        assert_eq!(row.number("above_tolerance"), 0.0, "{row:?}");
+        let (worst, tolerance) = (row.number("worst_over_tolerance"), row.number("tolerance"));
         assert!(worst > 0.0 && worst <= 1.0, "{row:?}");
-        let largest = ["direction_over_sens_max", "position_over_sens_max"].map(|column| number(row, column));
+        let largest = ["direction_over_sens_max", "position_over_sens_max"].map(|column| row.number(column));
         let ratio = largest[0].max(largest[1]) / tolerance;
         assert!((ratio - worst).abs() < 1e-9 * worst, "{row:?}");
         for error in ["direction", "direction_over_sens", "position", "position_over_sens"] {
-            let [median, p99, max] = ["median", "p99", "max"].map(|v| number(row, &format!("{error}_{v}")));
+            let [median, p99, max] = ["median", "p99", "max"].map(|v| row.number(&format!("{error}_{v}")));
             assert!(median <= p99 && p99 <= max, "{error}: {row:?}");
         }
-        assert!(number(row, "direction_max") >= number(row, "direction_over_sens_max"));
-        assert!(number(row, "ns_per_ray") > 0.0 && number(row, "steps_per_ray") > 1.0);
+        assert!(row.number("direction_max") >= row.number("direction_over_sens_max"));
+        assert!(row.number("ns_per_ray") > 0.0 && row.number("steps_per_ray") > 1.0);
     }
     for stepper in rows.chunks(3) {
-        assert!(number(&stepper[2], "steps_per_ray") > number(&stepper[0], "steps_per_ray"));
-        assert!(
-            number(&stepper[2], "direction_over_sens_p99") < number(&stepper[0], "direction_over_sens_p99")
-        );
+        assert!(stepper[2].number("steps_per_ray") > stepper[0].number("steps_per_ray"));
+        assert!(stepper[2].number("direction_over_sens_p99") < stepper[0].number("direction_over_sens_p99"));
     }
     let marked = table.lines().filter(|line| line.contains('*')).count();
-    let on_front = rows.iter().filter(|row| row["pareto"] == "1").count();
+    let on_front = rows.iter().filter(|row| row.text("pareto") == "1").count();
     assert!(marked == on_front && on_front > 0 && table.lines().count() == 8, "{table}");
     let svg = fs::read_to_string(place.path("study.svg")).unwrap();
     for part in ["rkn6", "dop853", "Pareto front", "angle at the end / sens (radians)", "time per ray (ns)"] {
@@ -216,44 +195,44 @@ fn the_tolerance_holds_on_every_exact_ray() {
 
 #[test]
 fn rays_without_ends_are_compared_with_a_reference() {
-    let place = Place::new(SCENE);
-    let (rows, _) = place.ray_rows(RAYS, &[]);
-    let count = |column: &str, value: &str| rows.iter().filter(|row| row[column] == value).count();
+    let place = folder(SCENE);
+    let (rows, _) = ray_rows(&place, RAYS, &[]);
+    let count = |column: &str, value: &str| rows.iter().filter(|row| row.text(column) == value).count();
     // Eleven decades, of which f32 has three, with every stepper but the paper's.
     assert_eq!((rows.len(), count("precision", "f32"), count("stepper", "rk4-paper")), (98, 21, 0));
     for row in &rows {
-        assert_eq!((number(row, "rays"), number(row, "compared"), number(row, "differ")), (3.0, 2.0, 0.0));
-        assert!(number(row, "worst_over_tolerance") < 1.0, "{row:?}");
+        assert_eq!((row.number("rays"), row.number("compared"), row.number("differ")), (3.0, 2.0, 0.0));
+        assert!(row.number("worst_over_tolerance") < 1.0, "{row:?}");
     }
 }
 
 #[test]
 fn ends_in_the_table_are_what_rays_are_compared_with() {
     // The ends that `trace` writes, the first one turned a little and the last one said to escape.
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     fs::write(place.path("rays.csv"), RAYS).unwrap();
     let ends = place.run(&["trace", "--spacetime", "schwarzschild", "rays.csv"]);
     let flags = ["--steppers", "dop853", "--precisions", "f64", "--tolerances", "1e-10"];
     let ends = String::from_utf8(ends.stdout).unwrap();
-    let (rows, _) = place.ray_rows(&ends, &flags);
-    assert!(number(&rows[0], "direction_max") < 1e-13 && number(&rows[0], "differ") == 0.0);
+    let (rows, _) = ray_rows(&place, &ends, &flags);
+    assert!(rows[0].number("direction_max") < 1e-13 && rows[0].number("differ") == 0.0);
 
     let wrong: Vec<String> = ends.lines().map(|line| line.replace("captured", "missed")).collect();
-    let (rows, _) = place.ray_rows(&(wrong.join("\n") + "\n"), &flags);
-    assert!((number(&rows[0], "differ") - 1.0 / 3.0).abs() < 1e-12);
+    let (rows, _) = ray_rows(&place, &(wrong.join("\n") + "\n"), &flags);
+    assert!((rows[0].number("differ") - 1.0 / 3.0).abs() < 1e-12);
 
     let tilted = "rs,x0,y0,z0,dx0,dy0,dz0,r_out,status,x1,y1,z1,dx1,dy1,dz1,sens\n\
                   0,1,0,0,1,0,0,50,escaped,50,0.05,0,1,1e-4,0,2\n";
-    let (rows, _) = place.ray_rows(tilted, &flags);
+    let (rows, _) = ray_rows(&place, tilted, &flags);
     let near = |column: &str, expected: f64| {
-        let found = number(&rows[0], column);
+        let found = rows[0].number(column);
         assert!((found / expected - 1.0).abs() < 1e-6, "{column}: {found}");
     };
     near("direction_max", 1e-4);
     near("direction_over_sens_max", 5e-5);
     near("position_max", 1e-3);
     near("worst_over_tolerance", 5e-4 / 1e-10);
-    assert_eq!(number(&rows[0], "above_tolerance"), 1.0);
+    assert_eq!(rows[0].number("above_tolerance"), 1.0);
 }
 
 #[test]
@@ -279,15 +258,15 @@ fn bad_tables_of_rays_are_refused_with_a_remedy() {
         ),
     ];
     for (text, flags, said) in cases {
-        let place = Place::new(SCENE);
-        assert_refused(&place.study_rays(&text, flags), &[&["help: "], said].concat());
+        let place = folder(SCENE);
+        assert_refused(&study_rays(&place, &text, flags), &[&["help: "], said].concat());
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 2, "{text}");
     }
 }
 
 #[test]
 fn a_scene_or_rays_are_studied_and_not_both() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     fs::write(place.path("rays.csv"), RAYS).unwrap();
     let refused = |arguments: &[&str], said: &[&str]| {
         assert_refused(&place.run(&[&["study", "-o", "study"], arguments].concat()), said);
@@ -305,27 +284,30 @@ fn a_scene_or_rays_are_studied_and_not_both() {
 
 #[test]
 fn flat_and_empty_scenes_are_studied_too() {
-    let place = Place::new(SCENE);
-    let (rows, _) = place.rows(&["--tolerances", "1e-4", "--set", "spacetime.schwarzschild_radius=0"]);
-    assert!(rows.iter().all(|row| number(row, "footprint_rmse") == 0.0 && number(row, "differ") == 0.0));
-    let (rows, _) = Place::new(SCENE.split("[[entity]]").next().unwrap()).rows(&["--tolerances", "1e-4"]);
-    assert!(rows.iter().all(|row| row["position_rmse"].is_empty() && number(row, "direction_rmse") > 0.0));
+    let place = folder(SCENE);
+    let (rows, _) =
+        scene_rows(&place, &["--tolerances", "1e-4", "--set", "spacetime.schwarzschild_radius=0"]);
+    assert!(rows.iter().all(|row| row.number("footprint_rmse") == 0.0 && row.number("differ") == 0.0));
+    let (rows, _) = scene_rows(&folder(SCENE.split("[[entity]]").next().unwrap()), &["--tolerances", "1e-4"]);
+    assert!(
+        rows.iter().all(|row| row.text("position_rmse").is_empty() && row.number("direction_rmse") > 0.0)
+    );
 }
 
 #[test]
 fn the_prefix_keeps_its_dots_and_files_are_named() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     let flags = [&SMALL[..], &["--steppers", "rkn6", "--precisions", "f64,f64", "--tolerances", "1e-3,1e-3"]]
         .concat();
-    let output = place.study("v1.2", &flags);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = study(&place, "v1.2", &flags);
+    assert_good(&output);
     assert!(stderr(&output).contains("1 setting; wrote v1.2.csv, v1.2.svg, v1.2.png"), "{}", stderr(&output));
     assert!(["v1.2.csv", "v1.2.svg", "v1.2.png"].iter().all(|name| place.path(name).exists()));
 }
 
 #[test]
 fn bad_flags_are_refused_with_a_remedy() {
-    let place = Place::new(SCENE);
+    let place = folder(SCENE);
     let cases: &[(&str, &[&str], &[&str])] = &[
         ("study", &["--steppers", "euler"], &["--steppers", "rkn6"]),
         ("study", &["--precisions", "f16"], &["--precisions", "f32"]),
@@ -341,7 +323,7 @@ fn bad_flags_are_refused_with_a_remedy() {
         ("none/study", &[], &["`none/study.csv`", "help:"]),
     ];
     for (prefix, flags, said) in cases {
-        assert_refused(&place.study(prefix, flags), said);
+        assert_refused(&study(&place, prefix, flags), said);
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
 }
@@ -364,34 +346,31 @@ emission = 30
 ";
 const LIGHTS: [&str; 4] = ["--size", "16x12", "--light-sampling", "off,straight,geodesic"];
 
-impl Place {
-    /// The rows of a study of light sampling by column, and what was printed.
-    fn light_rows(&self, flags: &[&str]) -> (Vec<HashMap<String, String>>, String) {
-        self.written(&self.study("study", &[&LIGHTS, flags].concat()))
-    }
+/// The rows of a study of light sampling by column, and what was printed.
+fn light_rows(place: &Folder, flags: &[&str]) -> (Vec<Row>, String) {
+    written(place, &study(place, "study", &[&LIGHTS, flags].concat()))
 }
 
 /// A column of a way by numbers of samples.
-fn column(rows: &[HashMap<String, String>], way: &str, column: &str) -> Vec<f64> {
-    rows.iter().filter(|row| row["light_sampling"] == way).map(|row| number(row, column)).collect()
+fn column(rows: &[Row], way: &str, column: &str) -> Vec<f64> {
+    rows.iter().filter(|row| row.text("light_sampling") == way).map(|row| row.number(column)).collect()
 }
 
 #[test]
 fn light_sampling_has_a_row_per_way_and_number_of_samples() {
-    let place = Place::new(LAMP);
-    let (rows, table) = place.light_rows(&["--spps", "4,16,16"]);
-    let found: Vec<_> =
-        rows.iter().map(|row| (row["light_sampling"].as_str(), row["spp"].as_str())).collect();
+    let place = folder(LAMP);
+    let (rows, table) = light_rows(&place, &["--spps", "4,16,16"]);
+    let found: Vec<_> = rows.iter().map(|row| (row.text("light_sampling"), row.text("spp"))).collect();
     let ways = ["off", "straight", "geodesic"];
     assert_eq!(found, ways.map(|way| [(way, "4"), (way, "16")]).concat());
     for row in &rows {
-        let mse = number(row, "mse");
-        assert!((number(row, "rmse").powi(2) / mse - 1.0).abs() < 1e-9, "{row:?}");
-        assert!((number(row, "efficiency") * mse * number(row, "seconds") - 1.0).abs() < 1e-9, "{row:?}");
-        assert!(number(row, "relmse") > 0.0 && number(row, "p999") > 0.0 && number(row, "gain") > 0.0);
-        assert!(number(row, "mse_error") > 0.0 && number(row, "mean_ratio_error") > 0.0, "{row:?}");
+        let mse = row.number("mse");
+        assert!((row.number("rmse").powi(2) / mse - 1.0).abs() < 1e-9, "{row:?}");
+        assert!((row.number("efficiency") * mse * row.number("seconds") - 1.0).abs() < 1e-9, "{row:?}");
+        assert!(row.number("relmse") > 0.0 && row.number("p999") > 0.0 && row.number("gain") > 0.0);
+        assert!(row.number("mse_error") > 0.0 && row.number("mean_ratio_error") > 0.0, "{row:?}");
     }
-    assert!((number(&rows[0], "median_gain") - 1.0).abs() < 1e-9, "{:?}", rows[0]);
+    assert!((rows[0].number("median_gain") - 1.0).abs() < 1e-9, "{:?}", rows[0]);
     // Two tables with two lines above their rows, and a line between them.
     assert_eq!(table.lines().count(), 2 + 6 + 1 + 2 + 3, "{table}");
     let svg = fs::read_to_string(place.path("study.svg")).unwrap();
@@ -401,28 +380,28 @@ fn light_sampling_has_a_row_per_way_and_number_of_samples() {
     assert!(image::open(place.path("study.png")).unwrap().width() > 800);
 
     // Errors are the same again, on any number of threads.
-    let (again, _) = place.light_rows(&["--spps", "4,16", "--threads", "1"]);
+    let (again, _) = light_rows(&place, &["--spps", "4,16", "--threads", "1"]);
     for (row, again) in rows.iter().zip(&again) {
         for column in ["mse", "mse_error", "relmse", "p999", "mean_ratio", "mean_ratio_error"] {
-            assert_eq!(row[column], again[column], "{column}");
+            assert_eq!(row.text(column), again.text(column), "{column}");
         }
     }
 }
 
 #[test]
 fn one_way_in_one_round_has_neither_gains_nor_errors() {
-    let place = Place::new(LAMP);
+    let place = folder(LAMP);
     let flags = ["--size", "16x12", "--light-sampling", "geodesic", "--spps", "2", "--rounds", "1"];
-    let (rows, table) = place.written(&place.study("study", &flags));
-    assert!(rows.len() == 1 && number(&rows[0], "mse") > 0.0, "{table}");
+    let (rows, table) = written(&place, &study(&place, "study", &flags));
+    assert!(rows.len() == 1 && rows[0].number("mse") > 0.0, "{table}");
     for column in ["mse_error", "relmse_error", "mean_ratio_error", "gain", "relative_gain", "median_gain"] {
-        assert!(rows[0][column].is_empty(), "{column}: {:?}", rows[0]);
+        assert!(rows[0].text(column).is_empty(), "{column}: {:?}", rows[0]);
     }
 }
 
 #[test]
 fn in_flat_space_all_ways_have_the_same_mean_and_light_sampling_less_noise() {
-    let (rows, table) = Place::new(LAMP).light_rows(&["--spps", "16", "--reference-spp", "1024"]);
+    let (rows, table) = light_rows(&folder(LAMP), &["--spps", "16", "--reference-spp", "1024"]);
     let [off, straight, geodesic] = ["off", "straight", "geodesic"].map(|way| {
         let [mean, error] = ["mean_ratio", "mean_ratio_error"].map(|name| column(&rows, way, name)[0]);
         assert!((mean - 1.0).abs() < 4.0 * error, "{way}\n{table}");
@@ -448,9 +427,9 @@ const SMALL_LAMP: [&str; 7] = [
 #[test]
 fn near_a_hole_straight_light_is_too_dark_and_light_along_geodesics_is_not() {
     let scene = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell_black_hole.toml");
-    let place = Place::new(&fs::read_to_string(scene).unwrap());
+    let place = folder(&fs::read_to_string(scene).unwrap());
     let changes = SMALL_LAMP.map(|change| ["--set", change]).concat();
-    let (rows, table) = place.light_rows(&[&changes[..], &["--spps", "4,16"]].concat());
+    let (rows, table) = light_rows(&place, &[&changes[..], &["--spps", "4,16"]].concat());
     let of = |way, name| column(&rows, way, name);
     for spp in 0..2 {
         let mean = |way| (of(way, "mean_ratio")[spp], of(way, "mean_ratio_error")[spp]);
@@ -470,15 +449,15 @@ fn near_a_hole_straight_light_is_too_dark_and_light_along_geodesics_is_not() {
 
 #[test]
 fn a_picture_can_be_the_reference_and_its_variances_are_subtracted() {
-    let place = Place::new(LAMP);
+    let place = folder(LAMP);
     // Of the same noise as the pictures: half of the measured squares are its own.
     let render = ["render", "scene.toml", "--size", "16x12", "--spp", "64", "--sampler", "independent"];
     let flags = ["--spps", "64", "--set", "render.sampler=\"independent\"", "--reference"];
     let with = |file: &str, more: &[&str]| {
         let output = place.run(&[&render[..], &["-o", file], more].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let output = place.study("study", &[&LIGHTS, &flags[..], &[file]].concat());
-        (stderr(&output), place.written(&output).0)
+        assert_good(&output);
+        let output = study(&place, "study", &[&LIGHTS, &flags[..], &[file]].concat());
+        (stderr(&output), written(&place, &output).0)
     };
     let (said, rows) = with("known.exr", &["--aov", "variance"]);
     assert!(!said.contains("warning"), "{said}");
@@ -490,12 +469,12 @@ fn a_picture_can_be_the_reference_and_its_variances_are_subtracted() {
 
 #[test]
 fn what_does_not_belong_to_a_study_of_light_sampling_is_refused() {
-    let place = Place::new(LAMP);
+    let place = folder(LAMP);
     let render = |size: &str, file: &str, more: &[&str]| {
         let output = place.run(
             &[&["render", "scene.toml", "--spp", "1", "--no-png", "--size", size, "-o", file], more].concat(),
         );
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert_good(&output);
     };
     render("8x6", "small.exr", &[]);
     render("16x12", "part.exr", &["--crop", "0,0,8,12"]);
@@ -517,14 +496,14 @@ fn what_does_not_belong_to_a_study_of_light_sampling_is_refused() {
     ];
     let files = fs::read_dir(place.folder()).unwrap().count();
     for (flags, said) in cases {
-        assert_refused(&place.study("study", &[&LIGHTS, *flags].concat()), said);
+        assert_refused(&study(&place, "study", &[&LIGHTS, *flags].concat()), said);
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), files, "{flags:?}");
     }
-    let dark = place.study("study", &[&LIGHTS, &["--set", "entity.2.emission=0"][..]].concat());
+    let dark = study(&place, "study", &[&LIGHTS, &["--set", "entity.2.emission=0"][..]].concat());
     let said = stderr(&dark);
     assert!(dark.status.code() == Some(2) && said.contains("`scene.toml` has no lights"), "{said}");
     assert!(said.contains("help: give a scene with an emission") && dark.stdout.is_empty(), "{said}");
-    let refused = |flags: &[&str], said: &[&str]| assert_refused(&place.study("study", flags), said);
+    let refused = |flags: &[&str], said: &[&str]| assert_refused(&study(&place, "study", flags), said);
     refused(&["--light-sampling", "curved"], &["--light-sampling", "geodesic"]);
     refused(&["--light-sampling"], &["--light-sampling", "value is required"]);
     refused(&["--spps", "4"], &["--light-sampling", "not provided"]);

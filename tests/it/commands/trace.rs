@@ -1,7 +1,6 @@
 //! `warpfront trace` as a user meets it: exact end states at every preset, the files, messages and exit codes.
 
 use std::fs;
-use std::ops::Deref;
 use std::path::PathBuf;
 use std::process::{Output, Stdio};
 
@@ -11,57 +10,32 @@ use crate::support::{Row, orbit_steppers, table};
 /// Columns of rays around a hole.
 const HEADER: &str = "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n";
 
-/// A folder in which the command runs.
-struct Place(Folder);
-
-impl Deref for Place {
-    type Target = Folder;
-
-    fn deref(&self) -> &Folder {
-        &self.0
-    }
+fn empty() -> Folder {
+    Folder::with(&[])
 }
 
-impl Place {
-    fn new() -> Self {
-        Self(Folder::with(&[]))
-    }
+/// With the rays of `text` in `rays.csv`.
+fn folder(text: &str) -> Folder {
+    let place = empty();
+    fs::write(place.path("rays.csv"), text).unwrap();
+    place
+}
 
-    /// With the rays of `text` in `rays.csv`.
-    fn with(text: &str) -> Self {
-        let place = Self::new();
-        fs::write(place.path("rays.csv"), text).unwrap();
-        place
-    }
+/// With the exact table in `rays.csv`.
+fn exact_rays() -> Folder {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/schwarzschild_rays.csv");
+    folder(&fs::read_to_string(path).unwrap())
+}
 
-    /// With the exact table in `rays.csv`.
-    fn with_exact_rays() -> Self {
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/schwarzschild_rays.csv");
-        Self::with(&fs::read_to_string(path).unwrap())
-    }
+/// Runs `trace` on `rays.csv` around a hole.
+fn trace(place: &Folder, flags: &[&str]) -> Output {
+    place.run(&[&["trace", "--spacetime", "schwarzschild", "rays.csv"], flags].concat())
+}
 
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    /// Runs `trace` on `rays.csv` around a hole.
-    fn trace(&self, flags: &[&str]) -> Output {
-        self.run(&[&["trace", "--spacetime", "schwarzschild", "rays.csv"], flags].concat())
-    }
-
-    /// The rows that `trace` writes.
-    fn rows(&self, flags: &[&str]) -> Vec<Row> {
-        assert_code(&self.trace(&[&["-o", "out.csv"], flags].concat()), 0);
-        table(self.path("out.csv").to_str().unwrap())
-    }
-
-    fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.folder()).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
+/// The rows that `trace` writes.
+fn traced(place: &Folder, flags: &[&str]) -> Vec<Row> {
+    assert_code(&trace(place, &[&["-o", "out.csv"], flags].concat()), 0);
+    table(place.path("out.csv").to_str().unwrap())
 }
 
 /// Error of the end relative to what is allowed, over all rows, each within `tolerance` times its conditioning; closer
@@ -99,9 +73,9 @@ fn worst_end(found: &[Row], tolerance: f64, beside: f64) -> f64 {
 
 #[test]
 fn every_exact_ray_ends_where_it_should_at_every_preset() {
-    let place = Place::with_exact_rays();
+    let place = exact_rays();
     for (quality, tolerance) in [("draft", 1e-3), ("standard", 1e-5), ("reference", 1e-10)] {
-        worst_end(&place.rows(&["--quality", quality]), tolerance, 0.0);
+        worst_end(&traced(&place, &["--quality", quality]), tolerance, 0.0);
     }
 }
 
@@ -138,9 +112,9 @@ fn a_table_of_rays_around_charged_holes_has_the_mass_as_its_unit() {
 
 #[test]
 fn every_exact_ray_ends_where_it_should_with_every_stepper() {
-    let place = Place::with_exact_rays();
+    let place = exact_rays();
     for stepper in &orbit_steppers() {
-        worst_end(&place.rows(&["--stepper", stepper, "--tolerance", "1e-7"]), 1e-7, 0.0);
+        worst_end(&traced(&place, &["--stepper", stepper, "--tolerance", "1e-7"]), 1e-7, 0.0);
     }
 }
 
@@ -148,13 +122,13 @@ fn every_exact_ray_ends_where_it_should_with_every_stepper() {
 fn single_precision_is_as_good_as_it_says() {
     // 100 roundings are the least tolerance. Beside the critical ray the impact parameter itself is moved, to 64 roundings
     // from the critical one, lest rounding change the fate.
-    let found = Place::with_exact_rays().rows(&["--precision", "f32"]);
+    let found = traced(&exact_rays(), &["--precision", "f32"]);
     worst_end(&found, 100.0 * f64::from(f32::EPSILON), 1e-5);
 }
 
 #[test]
 fn the_other_columns_are_exact_by_default() {
-    let found = Place::with_exact_rays().rows(&[]);
+    let found = traced(&exact_rays(), &[]);
     for (found, exact) in found.iter().zip(&table("schwarzschild_rays.csv")) {
         let flat = exact.text("kind") == "flat";
         let sens = exact.maybe("sens").unwrap_or(1.0);
@@ -193,8 +167,8 @@ fn the_other_columns_are_exact_by_default() {
 
 #[test]
 fn the_columns_are_those_of_the_exact_table_and_more() {
-    let place = Place::with_exact_rays();
-    place.rows(&[]);
+    let place = exact_rays();
+    traced(&place, &[]);
     let header = |text: &str| text.lines().find(|line| !line.starts_with('#')).unwrap().to_owned();
     let expected = header(&place.read("rays.csv")) + ",drift_h,drift_l,steps";
     assert_eq!(header(&place.read("out.csv")), expected);
@@ -210,11 +184,11 @@ fn threads_change_no_byte_and_chunks_no_order() {
     for i in 0..20_000 {
         text += &format!("1,{},0,0,-1,{},0,50\n", 10.0 + f64::from(i) * 1e-3, f64::from(i) * 1e-4);
     }
-    let place = Place::with(&text);
+    let place = folder(&text);
     let quick = ["--quality", "draft"];
-    let rows = place.rows(&[&quick[..], &["--threads", "1"]].concat());
+    let rows = traced(&place, &[&quick[..], &["--threads", "1"]].concat());
     let one = place.read("out.csv");
-    place.rows(&[&quick[..], &["--threads", "2"]].concat());
+    traced(&place, &[&quick[..], &["--threads", "2"]].concat());
     assert_eq!(one, place.read("out.csv"));
     assert_eq!(rows.len(), 20_000);
     assert!(rows.windows(2).all(|pair| pair[0].number("x0") < pair[1].number("x0")));
@@ -222,7 +196,7 @@ fn threads_change_no_byte_and_chunks_no_order() {
 
 #[test]
 fn flat_space_needs_no_radius_and_takes_no_notice_of_one() {
-    let place = Place::with_exact_rays();
+    let place = exact_rays();
     let output = place.run(&["trace", "--spacetime", "flat", "rays.csv", "-o", "out.csv"]);
     assert_code(&output, 0);
     let text = place.read("out.csv");
@@ -243,11 +217,11 @@ fn flat_space_needs_no_radius_and_takes_no_notice_of_one() {
 
 #[test]
 fn spaces_comments_labels_order_and_other_columns_do_not_matter() {
-    let place = Place::with(
+    let place = folder(
         "# made by hand\r\n\r\n# twice\r\nnote, r_out ,kind,dz0,dy0,dx0,z0,y0,x0,rs\r\n\
          \"a, b\", 5e1 ,\"x, y\",0,0,-2,0,3, 10 ,1\r\n# between\r\nagain,50,z,0,0,-1,0,3,10,1\r\n",
     );
-    let output = place.trace(&[]);
+    let output = trace(&place, &[]);
     assert_code(&output, 0);
     let text = String::from_utf8_lossy(&output.stdout);
     let lines: Vec<&str> = text.lines().collect();
@@ -262,8 +236,8 @@ fn spaces_comments_labels_order_and_other_columns_do_not_matter() {
 
 #[test]
 fn a_table_without_rays_gives_one_without_ends() {
-    let place = Place::with(HEADER);
-    assert!(place.rows(&[]).is_empty());
+    let place = folder(HEADER);
+    assert!(traced(&place, &[]).is_empty());
 }
 
 #[test]
@@ -289,8 +263,8 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
         (format!("{HEADER}{}1,10,0,0,1,0,0,-1\n", row.repeat(9000)), &["line 9002", "`r_out`"]),
     ];
     for (text, said) in cases {
-        let place = Place::with(&text);
-        let output = place.trace(&["-o", "out.csv", "--quality", "draft"]);
+        let place = folder(&text);
+        let output = trace(&place, &["-o", "out.csv", "--quality", "draft"]);
         assert_refused(&output, &[&["`rays.csv`", "help: "], said].concat());
         assert_eq!(place.files(), ["rays.csv"], "{text}");
     }
@@ -299,7 +273,7 @@ fn a_bad_table_is_refused_where_it_is_bad_and_nothing_is_written() {
 #[test]
 fn a_reader_that_has_gone_away_is_no_failure() {
     // Larger than a pipe holds.
-    let place = Place::with(&format!("{HEADER}{}", "1,10,3,0,-1,0,0,50\n".repeat(2000)));
+    let place = folder(&format!("{HEADER}{}", "1,10,3,0,-1,0,0,50\n".repeat(2000)));
     let mut command = place.command(&["trace", "--spacetime", "schwarzschild", "rays.csv"]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
@@ -310,18 +284,18 @@ fn a_reader_that_has_gone_away_is_no_failure() {
 
 #[test]
 fn bytes_that_are_no_text_are_refused() {
-    let place = Place::new();
+    let place = empty();
     fs::write(place.path("rays.csv"), [HEADER.as_bytes(), b"1,\xff\xfe,0,0,1,0,0,5\n"].concat()).unwrap();
-    assert_refused(&place.trace(&["-o", "out.csv"]), &["line 2", "column `x0`", "is not a number"]);
+    assert_refused(&trace(&place, &["-o", "out.csv"]), &["line 2", "column `x0`", "is not a number"]);
 }
 
 #[test]
 fn bad_arguments_are_refused() {
-    let place = Place::with(&format!("{HEADER}1,10,3,0,-1,0,0,50\n"));
-    assert_refused(&place.trace(&["--stepper", "rk4-paper"]), &["rk4-paper", "help: take another stepper"]);
-    assert_refused(&place.trace(&["-o", "rays.csv"]), &["the table of rays itself"]);
-    assert_refused(&place.trace(&["-o", "missing/out.csv"]), &["missing", "does not exist"]);
-    assert_refused(&place.trace(&["--tolerance", "0"]), &["--tolerance", "above 0"]);
+    let place = folder(&format!("{HEADER}1,10,3,0,-1,0,0,50\n"));
+    assert_refused(&trace(&place, &["--stepper", "rk4-paper"]), &["rk4-paper", "help: take another stepper"]);
+    assert_refused(&trace(&place, &["-o", "rays.csv"]), &["the table of rays itself"]);
+    assert_refused(&trace(&place, &["-o", "missing/out.csv"]), &["missing", "does not exist"]);
+    assert_refused(&trace(&place, &["--tolerance", "0"]), &["--tolerance", "above 0"]);
     let flat = ["trace", "--spacetime", "flat"];
     assert_refused(&place.run(&[&flat[..], &["none.csv"]].concat()), &["cannot read `none.csv`"]);
     assert_refused(&place.run(&[&flat[..], &["."]].concat()), &["cannot read `.`"]);

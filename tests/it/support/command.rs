@@ -5,6 +5,8 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+use super::{Row, table};
+
 /// A folder in which the command runs.
 pub struct Folder(TempDir);
 
@@ -28,6 +30,26 @@ impl Folder {
         self.0.path().join(name)
     }
 
+    /// The text of a file in it.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// The rows of a table in it.
+    pub fn rows(&self, name: &str) -> Vec<Row> {
+        table(self.path(name).to_str().unwrap())
+    }
+
+    /// Names of all files in it, sorted.
+    pub fn files(&self) -> Vec<String> {
+        names(self.folder())
+    }
+
+    /// Names of all files in it but `known` ones, sorted.
+    pub fn files_but(&self, known: &str) -> Vec<String> {
+        self.files().into_iter().filter(|name| name != known).collect()
+    }
+
     /// The command, about to run.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_warpfront"));
@@ -39,6 +61,15 @@ impl Folder {
     pub fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().unwrap()
     }
+}
+
+/// Names of all files in a folder, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
 }
 
 /// What the command says.

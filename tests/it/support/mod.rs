@@ -20,7 +20,8 @@ use tempfile::TempDir;
 use warpfront::scene::{Baked, StepperKind, flag_name, load};
 use warpfront::trace::{self, Rendered, Run};
 
-/// A row of a reference table.
+/// A row of a table.
+#[derive(Debug)]
 pub struct Row(BTreeMap<String, String>);
 
 impl Row {

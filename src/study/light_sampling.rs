@@ -4,16 +4,20 @@
 //! square error times the time is constant; the gain of a way is how much smaller that product is than without light
 //! sampling, which is also the ratio of the mean square errors after equal times.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use super::compare::{Mismatch, Pair};
+use super::compare::{Measures, Mismatch, Pair};
+use super::errors::median;
 use super::estimate::{Estimate, geometric_median};
 use super::reference::Reference;
-use super::sweep::{Spread, in_turn};
+use super::render::render;
+use super::report::{Report, style_of};
+use super::rounds::Study;
+use super::table::{Row, Table, scientific, with_error};
 use crate::film::Image;
-use crate::scene::{Baked, LightSampling};
-use crate::trace::{self, Progress, Run};
+use crate::plot::{Chart, Figure, Series};
+use crate::scene::{Baked, LightSampling, flag_name};
+use crate::trace::{Progress, Run};
 
 /// What is measured, and how often.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +32,9 @@ pub struct Plan {
     pub threads: usize,
 }
 
+/// Size of one diagram, points.
+const CHART: [f64; 2] = [470.0, 420.0];
+
 /// Where the reference comes from.
 pub enum Source {
     /// Rendered with light sampling along geodesics, with this many samples per pixel.
@@ -38,49 +45,49 @@ pub enum Source {
 
 /// A way and a number of samples, measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement {
+struct Measurement {
     /// The way.
-    pub way: LightSampling,
+    way: LightSampling,
     /// Samples per pixel.
-    pub spp: u32,
+    spp: u32,
     /// Wall time of a render, seconds; the median.
-    pub seconds: f64,
+    seconds: f64,
     /// Mean square error over pixels and `R`, `G`, `B`, radiance²; below 0 where the reference's noise hides it.
-    pub mse: Estimate,
+    mse: Estimate,
     /// Mean of (a − b)²/(b² + [`super::compare::EPSILON`]).
-    pub relmse: Estimate,
+    relmse: Estimate,
     /// 99.9th percentile of the relative difference of pixels.
-    pub p999: f64,
+    p999: f64,
     /// Mean of the picture over that of the reference; `None` for a black reference.
-    pub mean: Option<Estimate>,
+    mean: Option<Estimate>,
     /// What is gained.
-    pub gain: Gain,
+    gain: Gain,
 }
 
 /// Product of error and time without light sampling, the median over the numbers of samples, over that of something
 /// else; `None` where one of them is unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
+struct Gain {
     /// In the mean square error.
-    pub absolute: Option<Estimate>,
+    absolute: Option<Estimate>,
     /// In the relative one.
-    pub relative: Option<Estimate>,
+    relative: Option<Estimate>,
 }
 
 /// A way with all its numbers of samples.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Way {
+struct Way {
     /// Which one.
-    pub way: LightSampling,
+    way: LightSampling,
     /// By samples per pixel, as in the plan.
-    pub measurements: Vec<Measurement>,
+    measurements: Vec<Measurement>,
     /// The median over `measurements`.
-    pub gain: Gain,
+    gain: Gain,
 }
 
 /// One picture, measured.
 #[derive(Clone, Copy)]
-struct Shot {
+pub struct Shot {
     seconds: f64,
     mse: f64,
     relmse: f64,
@@ -88,71 +95,98 @@ struct Shot {
     mean: f64,
 }
 
-/// Measures `plan` on `scene`, in the size that its settings say; `progress` is told from worker threads how many of
-/// how many camera paths are done.
-///
-/// # Errors
-/// If the reference is of other pixels than the scene's.
-pub fn sweep(
-    scene: Baked,
-    plan: &Plan,
-    source: Source,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Vec<Way>, Mismatch> {
-    let pixels = scene.settings.width * scene.settings.height;
-    let samples: u64 = plan.spps.iter().map(|&spp| u64::from(spp)).sum();
-    let pictures = (plan.ways.len() as u64).saturating_mul(plan.rounds.into());
-    let mut bench = Bench {
-        seeds: Seeds { last: scene.settings.seed, taken: None },
-        scene,
-        threads: plan.threads,
-        progress,
-        done: 0,
-        total: samples.saturating_mul(pictures).saturating_mul(pixels as u64),
-    };
-    let reference = match source {
-        Source::Rendered(spp) => bench.reference(spp),
-        Source::Given(reference) => {
-            bench.seeds.taken = seed(&reference.image);
-            reference
-        }
-    };
-    // Ways side by side, so that they are compared under the same load.
-    let settings: Vec<(LightSampling, u32)> =
-        plan.spps.iter().flat_map(|&spp| plan.ways.iter().map(move |&way| (way, spp))).collect();
-    let mut stacks: Vec<Stack> = settings.iter().map(|_| Stack::new(pixels)).collect();
-    let shots = in_turn(settings.len(), plan.rounds, &|_, _| {}, |index| {
-        let (way, spp) = settings[index];
-        let (image, seconds) = bench.render(way, spp);
-        stacks[index].add(&image);
-        Shot::of(&image, seconds, &reference)
-    });
-    let shots: Vec<Vec<Shot>> =
-        shots.into_iter().map(|shots| shots.into_iter().collect()).collect::<Result<_, _>>()?;
+/// A scene whose pictures are rendered in all ways with all numbers of samples.
+pub struct LightStudy<'a> {
+    plan: Plan,
+    /// Ways side by side, so that they are compared under the same load.
+    settings: Vec<(LightSampling, u32)>,
+    renders: Renders<'a>,
+    reference: Reference,
+    /// Of the settings.
+    stacks: Vec<Stack>,
+}
 
-    let of_way = |way: usize| (0..plan.spps.len()).map(move |spp| spp * plan.ways.len() + way);
-    let costs = |way: usize, error: fn(&Shot) -> f64| -> Vec<Vec<f64>> {
-        let cost = |shot: &Shot| error(shot) * shot.seconds;
-        of_way(way).map(|index| shots[index].iter().map(cost).collect()).collect()
-    };
-    let errors: [fn(&Shot) -> f64; 2] = [|shot| shot.mse, |shot| shot.relmse];
-    let off = plan.ways.iter().position(|&way| way == LightSampling::Off);
-    let without = errors.map(|error| off.and_then(|off| medians(&costs(off, error))));
-    let measured = plan.ways.iter().enumerate().map(|(place, &way)| {
-        let [absolute, relative] =
-            [0, 1].map(|kind: usize| Gains::of(&costs(place, errors[kind]), without[kind].as_deref()));
-        let measurement = |(spp, index): (usize, usize)| Measurement {
-            gain: Gain { absolute: absolute.single[spp], relative: relative.single[spp] },
-            mean: stacks[index].mean_over(&shots[index], &reference),
-            ..Measurement::of(way, plan.spps[spp], &shots[index])
+impl<'a> LightStudy<'a> {
+    /// A study of `scene`, in the size that its settings say; renders the reference if none is given. `progress` is told from
+    /// worker threads how many of how many camera paths are done.
+    pub fn new(scene: Baked, plan: Plan, source: Source, progress: &'a (dyn Fn(Progress) + Sync)) -> Self {
+        let settings: Vec<(LightSampling, u32)> =
+            plan.spps.iter().flat_map(|&spp| plan.ways.iter().map(move |&way| (way, spp))).collect();
+        let pixels = scene.settings.width * scene.settings.height;
+        let samples: u64 = settings.iter().map(|&(_, spp)| u64::from(spp)).sum();
+        let mut renders = Renders {
+            seeds: Seeds { last: scene.settings.seed, taken: None },
+            scene,
+            threads: plan.threads,
+            progress,
+            done: 0,
+            total: samples.saturating_mul(plan.rounds.into()).saturating_mul(pixels as u64),
         };
-        Way {
-            way,
-            measurements: of_way(place).enumerate().map(measurement).collect(),
-            gain: Gain { absolute: absolute.median, relative: relative.median },
-        }
-    });
-    Ok(measured.collect())
+        let reference = match source {
+            Source::Rendered(spp) => renders.reference(spp),
+            Source::Given(reference) => {
+                renders.seeds.taken = seed(&reference.image);
+                reference
+            }
+        };
+        let stacks = settings.iter().map(|_| Stack::new(pixels)).collect();
+        Self { plan, settings, renders, reference, stacks }
+    }
+
+    /// Sums up the shots of each setting, way by way.
+    fn ways(&self, shots: &[Vec<Shot>]) -> Vec<Way> {
+        let Plan { ways, spps, .. } = &self.plan;
+        let of_way = |way: usize| (0..spps.len()).map(move |spp| spp * ways.len() + way);
+        let costs = |way: usize, error: fn(&Shot) -> f64| -> Vec<Vec<f64>> {
+            let cost = |shot: &Shot| error(shot) * shot.seconds;
+            of_way(way).map(|index| shots[index].iter().map(cost).collect()).collect()
+        };
+        let errors: [fn(&Shot) -> f64; 2] = [|shot| shot.mse, |shot| shot.relmse];
+        let off = ways.iter().position(|&way| way == LightSampling::Off);
+        let without = errors.map(|error| off.and_then(|off| medians(&costs(off, error))));
+        let measured = ways.iter().enumerate().map(|(place, &way)| {
+            let [absolute, relative] =
+                [0, 1].map(|kind: usize| Gains::of(&costs(place, errors[kind]), without[kind].as_deref()));
+            let measurement = |(spp, index): (usize, usize)| Measurement {
+                gain: Gain { absolute: absolute.single[spp], relative: relative.single[spp] },
+                mean: self.stacks[index].mean_over(&shots[index], &self.reference),
+                ..Measurement::of(way, spps[spp], &shots[index])
+            };
+            Way {
+                way,
+                measurements: of_way(place).enumerate().map(measurement).collect(),
+                gain: Gain { absolute: absolute.median, relative: relative.median },
+            }
+        });
+        measured.collect()
+    }
+}
+
+impl Study for LightStudy<'_> {
+    type Sample = Shot;
+    type Findings = Report;
+    type Error = Mismatch;
+
+    fn settings(&self) -> usize {
+        self.settings.len()
+    }
+
+    /// Nothing to warm up: the reference was rendered before.
+    fn prepare(&mut self, _: usize) -> Result<(), Mismatch> {
+        Ok(())
+    }
+
+    fn measure(&mut self, setting: usize) -> Result<Shot, Mismatch> {
+        let (way, spp) = self.settings[setting];
+        let (image, seconds) = self.renders.render(way, spp);
+        self.stacks[setting].add(&image);
+        Shot::of(&image, seconds, &self.reference)
+    }
+
+    fn conclude(self, samples: Vec<Vec<Shot>>) -> Report {
+        let ways = self.ways(&samples);
+        Report { text: text(&ways), table: table(&ways), figure: figure(&ways) }
+    }
 }
 
 /// For every round the median over the numbers of samples, by which `costs` are ordered.
@@ -189,7 +223,7 @@ impl Measurement {
         Self {
             way,
             spp,
-            seconds: Spread::of(all(|shot| shot.seconds)).map_or(f64::NAN, |spread| spread.median),
+            seconds: median(shots, |shot| shot.seconds),
             mse: Estimate::mean(&all(|shot| shot.mse)),
             relmse: Estimate::mean(&all(|shot| shot.relmse)),
             p999: Estimate::mean(&all(|shot| shot.p999)).value,
@@ -199,8 +233,13 @@ impl Measurement {
     }
 
     /// 1/(mean square error × time), 1/(radiance² s); `None` where the reference's noise hides the error.
-    pub fn efficiency(&self) -> Option<f64> {
+    fn efficiency(&self) -> Option<f64> {
         (self.mse.value > 0.0).then(|| 1.0 / (self.mse.value * self.seconds))
+    }
+
+    /// The root of the mean square error, radiance; `None` where the reference's noise hides it.
+    fn rmse(&self) -> Option<f64> {
+        (self.mse.value > 0.0).then(|| self.mse.value.sqrt())
     }
 }
 
@@ -209,7 +248,7 @@ impl Shot {
         let pair = Pair::new(("the picture", image), ("the reference", &reference.image))?;
         let beauty = pair.compare().beauty.measures;
         let noise = reference.noise.unwrap_or_default();
-        let value = |value: fn(&super::compare::Measures) -> f64| beauty.as_ref().map_or(f64::NAN, value);
+        let value = |value: fn(&Measures) -> f64| beauty.as_ref().map_or(f64::NAN, value);
         Ok(Self {
             seconds,
             mse: value(|measures| measures.rmse.powi(2)) - noise.mse,
@@ -270,7 +309,7 @@ impl Stack {
 }
 
 /// Where pictures are rendered.
-struct Bench<'a> {
+struct Renders<'a> {
     scene: Baked,
     threads: usize,
     seeds: Seeds,
@@ -280,7 +319,7 @@ struct Bench<'a> {
     total: u64,
 }
 
-impl Bench<'_> {
+impl Renders<'_> {
     /// A picture with a seed of its own, and the seconds that it took.
     fn render(&mut self, way: LightSampling, spp: u32) -> (Image, f64) {
         let settings = &mut self.scene.settings;
@@ -289,7 +328,7 @@ impl Bench<'_> {
         let progress = |now: Progress| (self.progress)(Progress { done: done + now.done, total });
         let run = Run { threads: self.threads, ..Run::default() };
         let started = Instant::now();
-        let image = trace::render(&self.scene, &run, &AtomicBool::new(false), &progress).image;
+        let image = render(&self.scene, &run, &progress).image;
         let seconds = started.elapsed().as_secs_f64();
         self.done += (self.scene.settings.width * self.scene.settings.height) as u64 * u64::from(spp);
         (image, seconds)
@@ -325,6 +364,69 @@ impl Seeds {
 /// The seed that `image` was rendered with, if it says so.
 fn seed(image: &Image) -> Option<u64> {
     image.attributes.iter().find(|(name, _)| name == "seed")?.1.parse().ok()
+}
+
+/// All measurements, and what each way gains, as two tables.
+fn text(ways: &[Way]) -> String {
+    let gains = |row: Row, prefix: &str, gain: &Gain| {
+        row.cell(format!("{prefix}gain"), with_error(gain.absolute))
+            .cell(format!("{prefix}relative gain"), with_error(gain.relative))
+    };
+    let row = |m: &Measurement| {
+        let row = Row::default()
+            .cell("light sampling", flag_name(m.way))
+            .cell("spp", m.spp)
+            .cell("seconds", format!("{:.3}", m.seconds))
+            .cell("RMSE", scientific(m.rmse(), 2))
+            .cell("relMSE", scientific(Some(m.relmse.value).filter(|relmse| *relmse > 0.0), 2))
+            .cell("99.9 %", scientific(Some(m.p999), 2))
+            .cell("mean/reference", with_error(m.mean))
+            .cell("1/(MSE s)", scientific(m.efficiency(), 2));
+        gains(row, "", &m.gain)
+    };
+    let of_way =
+        |way: &Way| gains(Row::default().cell("light sampling", flag_name(way.way)), "median ", &way.gain);
+    let all = Table::of(ways.iter().flat_map(|way| &way.measurements).map(row));
+    format!("{}\n{}", all.markdown(), Table::of(ways.iter().map(of_way)).markdown())
+}
+
+/// All measurements, for programs.
+fn table(ways: &[Way]) -> Table {
+    let row = |way: &Way, m: &Measurement| {
+        Row::default()
+            .cell("light_sampling", flag_name(m.way))
+            .cell("spp", m.spp)
+            .cell("seconds", m.seconds)
+            .estimate("mse", Some(m.mse))
+            .maybe("rmse", m.rmse())
+            .estimate("relmse", Some(m.relmse))
+            .cell("p999", m.p999)
+            .estimate("mean_ratio", m.mean)
+            .maybe("efficiency", m.efficiency())
+            .estimate("gain", m.gain.absolute)
+            .estimate("relative_gain", m.gain.relative)
+            .estimate("median_gain", way.gain.absolute)
+            .estimate("median_relative_gain", way.gain.relative)
+    };
+    Table::of(ways.iter().flat_map(|way| way.measurements.iter().map(|m| row(way, m))))
+}
+
+/// Error over time and over samples, a curve for each way.
+fn figure(ways: &[Way]) -> Figure {
+    let chart = |title: &str, label: &str, x: fn(&Measurement) -> f64| {
+        let point = |m: &Measurement| m.rmse().map(|rmse| [x(m), rmse]);
+        let series = |way: &Way| Series {
+            name: flag_name(way.way),
+            style: style_of(&way.way),
+            curves: vec![way.measurements.iter().filter_map(point).collect()],
+        };
+        Chart::log_log(title, [label, "RMSE (radiance)"], CHART, ways.iter().map(series).collect())
+    };
+    let charts = vec![
+        chart("Error over time", "time (s)", |m| m.seconds),
+        chart("Error over samples", "samples per pixel", |m| f64::from(m.spp)),
+    ];
+    Figure { charts }
 }
 
 #[cfg(test)]

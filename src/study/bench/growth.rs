@@ -1,43 +1,33 @@
 //! How cost grows with what is varied.
 
-use super::super::{markdown, percent};
-use super::{occupancy, over_first, seconds, style};
-use crate::plot::{Axis, Chart, Figure, Series};
-use crate::study::bench::{Race, Runs, Vary};
+use super::cells::{over_first, seconds};
+use super::race::{Race, Runs};
+use super::vary::Vary;
+use crate::plot::{Chart, Figure, Series};
+use crate::study::report::style_of;
+use crate::study::table::{NONE, Row, Table, percent};
 
 /// Size of one diagram, points.
 const CHART: [f64; 2] = [470.0, 420.0];
 
 /// All contenders at all values as a table in Markdown, and how their times grow.
-pub fn table(sweep: Vary, races: &[Race]) -> String {
-    let header = [
-        sweep.label(),
-        "contender",
-        "seconds (range)",
-        "time ratio",
-        "thread µs/path",
-        "rays/path",
-        "steps/ray",
-        "queries/ray",
-        "lanes in use",
-    ];
+pub(super) fn text(sweep: Vary, races: &[Race]) -> String {
     let row = |race: &Race, (index, runs): (usize, &Runs)| {
         let counters = runs.counters();
         let rays = (counters.rays + counters.light_rays) as f64;
-        [
-            race.point.value.map_or_else(String::new, number),
-            runs.contender.name(),
-            seconds(runs),
-            over_first(index, race.ratio(index, 0)),
-            format!("{:.2}", runs.us_per_path()),
-            format!("{:.2}", rays / counters.paths as f64),
-            format!("{:.2}", counters.steps as f64 / rays),
-            format!("{:.2}", counters.queries as f64 / rays),
-            occupancy(runs).map_or_else(|| "–".to_owned(), percent),
-        ]
+        Row::default()
+            .maybe(sweep.label(), race.point.value.map(number))
+            .cell("contender", runs.contender.name())
+            .cell("seconds (range)", seconds(runs))
+            .cell("time ratio", over_first(index, race.ratio(index, 0)))
+            .cell("thread µs/path", format!("{:.2}", runs.us_per_path()))
+            .cell("rays/path", format!("{:.2}", rays / counters.paths as f64))
+            .cell("steps/ray", format!("{:.2}", counters.steps as f64 / rays))
+            .cell("queries/ray", format!("{:.2}", counters.queries as f64 / rays))
+            .cell("lanes in use", runs.occupancy().map_or(NONE.to_owned(), percent))
     };
     let rows = races.iter().flat_map(|race| race.runs.iter().enumerate().map(|entry| row(race, entry)));
-    format!("{}\n{}", markdown(header, rows.collect()), growth(races))
+    format!("{}\n{}", Table::of(rows).markdown(), growth(races))
 }
 
 /// A value as short as it can be written.
@@ -68,25 +58,16 @@ fn growth(races: &[Race]) -> String {
 }
 
 /// Time of a render and thread time per path over the value, a curve per contender.
-pub fn figure(sweep: Vary, races: &[Race]) -> Figure {
+pub(super) fn figure(sweep: Vary, races: &[Race]) -> Figure {
     let contenders = races.first().map_or(0, |race| race.runs.len());
     let chart = |title: &str, label: &str, y: fn(&Runs) -> f64| {
-        let series: Vec<Series> = (0..contenders)
-            .map(|index| {
-                let point = |race: &Race| [race.point.value.unwrap_or(f64::NAN), y(&race.runs[index])];
-                let contender = races[0].runs[index].contender;
-                let curve = races.iter().map(point).collect();
-                Series { name: contender.name(), style: style(contender), curves: vec![curve] }
-            })
-            .collect();
-        let along = |axis: usize| series.iter().flat_map(|s| &s.curves[0]).map(move |point| point[axis]);
-        Chart {
-            title: title.to_owned(),
-            x: Axis::log_around(sweep.label(), along(0)),
-            y: Axis::log_around(label, along(1)),
-            size: CHART,
-            series: series.clone(),
-        }
+        let series = |index: usize| {
+            let point = |race: &Race| [race.point.value.unwrap_or(f64::NAN), y(&race.runs[index])];
+            let contender = races[0].runs[index].contender;
+            let curve = races.iter().map(point).collect();
+            Series { name: contender.name(), style: style_of(&contender), curves: vec![curve] }
+        };
+        Chart::log_log(title, [sweep.label(), label], CHART, (0..contenders).map(series).collect())
     };
     let charts = vec![
         chart("Time of a render", "time (s)", |runs| runs.median(|stats| stats.seconds)),

@@ -1,9 +1,11 @@
 //! A race at one point: who is how fast, and what the wavefront's stages cost.
 
-use super::super::{markdown, percent, with_error};
-use super::{over_first, seconds, style};
+use super::cells::{over_first, seconds};
+use super::contender::Contender;
+use super::race::{Race, Runs};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
-use crate::study::bench::{Contender, Race, Runs};
+use crate::study::report::style_of;
+use crate::study::table::{NONE, Row, Table, percent, with_error};
 use crate::trace::Stats;
 
 /// Size of the diagram, points.
@@ -30,7 +32,7 @@ const LEARN: &str = "learn";
 const REST: &str = "rest";
 
 /// Contenders, the stages of the first wavefront among them, and what it all means, as text and tables in Markdown.
-pub fn table(race: &Race) -> String {
+pub(super) fn text(race: &Race) -> String {
     let mut text = contenders(race);
     if let Some(wavefront) = wavefront(race) {
         text = format!("{text}\n{}\n{}\n", stages(wavefront), vectors(wavefront));
@@ -39,41 +41,28 @@ pub fn table(race: &Race) -> String {
 }
 
 fn wavefront(race: &Race) -> Option<&Runs> {
-    race.runs.iter().find(|runs| super::occupancy(runs).is_some())
+    race.runs.iter().find(|runs| runs.occupancy().is_some())
 }
 
 fn contenders(race: &Race) -> String {
-    let header = [
-        "contender",
-        "seconds (range)",
-        "time ratio",
-        "tracing alone",
-        "k paths/s",
-        "M rays/s",
-        "M steps/s",
-        "M queries/s",
-        "steps/ray",
-        "queries/ray",
-    ];
     let row = |(index, runs): (usize, &Runs)| {
         let counters = runs.counters();
         let rays = counters.rays + counters.light_rays;
         let median = runs.median(|stats| stats.seconds);
         let rate = |count: u64, unit: f64| format!("{:.2}", count as f64 / median / unit);
-        [
-            runs.contender.name(),
-            seconds(runs),
-            over_first(index, race.ratio(index, 0)),
-            over_first(index, race.tracing_ratio(index, 0)),
-            rate(counters.paths, 1e3),
-            rate(rays, 1e6),
-            rate(counters.steps, 1e6),
-            rate(counters.queries, 1e6),
-            format!("{:.2}", counters.steps as f64 / rays as f64),
-            format!("{:.2}", counters.queries as f64 / rays as f64),
-        ]
+        Row::default()
+            .cell("contender", runs.contender.name())
+            .cell("seconds (range)", seconds(runs))
+            .cell("time ratio", over_first(index, race.ratio(index, 0)))
+            .cell("tracing alone", over_first(index, race.tracing_ratio(index, 0)))
+            .cell("k paths/s", rate(counters.paths, 1e3))
+            .cell("M rays/s", rate(rays, 1e6))
+            .cell("M steps/s", rate(counters.steps, 1e6))
+            .cell("M queries/s", rate(counters.queries, 1e6))
+            .cell("steps/ray", format!("{:.2}", counters.steps as f64 / rays as f64))
+            .cell("queries/ray", format!("{:.2}", counters.queries as f64 / rays as f64))
     };
-    markdown(header, race.runs.iter().enumerate().map(row).collect())
+    Table::of(race.runs.iter().enumerate().map(row)).markdown()
 }
 
 /// Thread time of each stage, of learning and of what is left, seconds.
@@ -93,18 +82,16 @@ fn stages(runs: &Runs) -> String {
     let row = |(index, ((name, _), items)): (usize, ((&str, f64), Option<u64>))| {
         let seconds = runs.median(|stats| parts(stats)[index].1);
         let of_items =
-            |value: &dyn Fn(f64) -> String| items.map_or_else(|| "–".to_owned(), |items| value(items as f64));
-        [
-            name.to_owned(),
-            format!("{seconds:.3}"),
-            percent(seconds / whole),
-            of_items(&|items| items.to_string()),
-            of_items(&|items| format!("{:.1}", 1e9 * seconds / items.max(1.0))),
-            of_items(&|items| percent(items / lanes)),
-        ]
+            |value: &dyn Fn(f64) -> String| items.map_or(NONE.to_owned(), |items| value(items as f64));
+        Row::default()
+            .cell("stage", name)
+            .cell("thread seconds", format!("{seconds:.3}"))
+            .cell("share", percent(seconds / whole))
+            .cell("rays handled", of_items(&|items| items.to_string()))
+            .cell("ns/ray", of_items(&|items| format!("{:.1}", 1e9 * seconds / items.max(1.0))))
+            .cell("of all lanes", of_items(&|items| percent(items / lanes)))
     };
-    let header = ["stage", "thread seconds", "share", "rays handled", "ns/ray", "of all lanes"];
-    markdown(header, parts(first).into_iter().zip(items).enumerate().map(row).collect())
+    Table::of(parts(first).into_iter().zip(items).enumerate().map(row)).markdown()
 }
 
 /// How full the vectors were.
@@ -142,14 +129,14 @@ fn verdicts(race: &Race) -> String {
 }
 
 /// Thread time per path in every round: the wavefront's by stage, as bars, under the curves of all contenders.
-pub fn figure(race: &Race) -> Figure {
+pub(super) fn figure(race: &Race) -> Figure {
     let mut series = wavefront(race).map(bars).unwrap_or_default();
     for runs in &race.runs {
         let curve = runs.rounds.iter().zip(1..).map(|(stats, round)| {
             [f64::from(round), microseconds(stats, stats.seconds * stats.threads as f64)]
         });
         // The bars have the colours.
-        let style = Style { color: Color::BLACK, ..style(runs.contender) };
+        let style = Style { color: Color::BLACK, ..style_of(&runs.contender) };
         series.push(Series { name: runs.contender.name(), style, curves: vec![curve.collect()] });
     }
     let rounds = race.runs.first().map_or(0, |runs| runs.rounds.len());

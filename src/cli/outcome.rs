@@ -1,0 +1,14 @@
+//! How a command ended.
+
+/// How a command that did not fail ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// All is there.
+    Good,
+    /// Something was lost, and `--strict` was given.
+    Lost,
+    /// Some pixels have no sample.
+    Incomplete,
+    /// Pictures differ by more than a flag allows.
+    Differ,
+}

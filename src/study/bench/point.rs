@@ -1,0 +1,41 @@
+//! What all contenders of a race have in common.
+
+use crate::scene::{Baked, Settings};
+use crate::spacetime::SpacetimeKind;
+use crate::trace::Run;
+
+/// What all contenders of a race have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The value of what is varied, if anything is.
+    pub value: Option<f64>,
+    /// Which of the scenes.
+    pub scene: usize,
+    /// Its spacetime.
+    pub spacetime: SpacetimeKind,
+    /// Its settings.
+    pub settings: Settings,
+    /// Worker threads; 0 means one per core.
+    pub threads: usize,
+    /// Rays in a worker's wavefront.
+    pub batch: usize,
+}
+
+impl Point {
+    /// The scene as it is, rendered by `run`.
+    pub fn of(scene: &Baked, run: &Run) -> Self {
+        Self {
+            value: None,
+            scene: 0,
+            spacetime: scene.spacetime,
+            settings: scene.settings.clone(),
+            threads: run.threads,
+            batch: run.batch,
+        }
+    }
+
+    /// Whether both points have the same picture, threads and batches left aside.
+    pub(super) fn has_picture_of(&self, other: &Self) -> bool {
+        (self.scene, self.spacetime, &self.settings) == (other.scene, other.spacetime, &other.settings)
+    }
+}

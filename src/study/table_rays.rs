@@ -1,0 +1,371 @@
+//! The trade of speed for accuracy where nothing is in the way of rays: errors and costs of ways to follow them, against
+//! where they end exactly.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::errors::{Spread, angle, median};
+use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
+use super::report::Report;
+use super::rounds::Study;
+use super::table::{NONE, Row, percent, scientific};
+use super::trade_off::{self, Curve, TradeOff, broad, over_front, through};
+use crate::plot::{Chart, Figure};
+use crate::scene::{Precision, StepperKind, flag_name};
+use crate::spacetime::SpacetimeKind;
+
+/// A ray, and how it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    /// What it runs in.
+    pub spacetime: SpacetimeKind,
+    /// The ray.
+    pub ray: FreeRay,
+    /// How it ends.
+    pub exact: Exact,
+}
+
+/// How a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exact {
+    /// How.
+    pub status: Status,
+    /// Where it crosses its sphere, if it escapes.
+    pub crossing: Option<Crossing>,
+}
+
+/// Where a ray crosses its sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Where, in the chart.
+    pub position: DVec3,
+    /// Unit direction of travel.
+    pub direction: DVec3,
+    /// Radians there per radian of the starting direction.
+    pub sens: f64,
+}
+
+/// How far rays end from where they should.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Errors {
+    /// Rays.
+    rays: usize,
+    /// Those of them that escape and should; the errors are theirs.
+    compared: usize,
+    /// Share of the rays that have another fate than they should.
+    differ: f64,
+    /// Angle between directions, radians.
+    direction: Option<Spread>,
+    /// The same over the ray's sensitivity: radians at its start.
+    direction_over_sens: Option<Spread>,
+    /// Distance between positions over the radius of the sphere.
+    position: Option<Spread>,
+    /// The same over the ray's sensitivity.
+    position_over_sens: Option<Spread>,
+    /// Whether the tolerance is what it says.
+    honesty: Option<Honesty>,
+}
+
+/// Errors of direction or position, the larger, relative to the tolerance times the sensitivity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Honesty {
+    /// Share of the rays for which they exceed 1.
+    above: f64,
+    /// The largest.
+    worst: f64,
+}
+
+/// A way to follow rays, measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Measurement {
+    setting: Accuracy,
+    errors: Errors,
+    /// Thread time of a ray, nanoseconds; the median over the rounds.
+    ns_per_ray: f64,
+    /// Steps tried per ray.
+    steps_per_ray: f64,
+}
+
+/// A ray that cannot be followed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("ray {index}: {fault}")]
+pub struct Refusal {
+    /// Which one.
+    pub index: usize,
+    /// Why not.
+    pub fault: Fault,
+}
+
+/// How rays are followed whose ends are not known.
+const EXACT: Accuracy =
+    Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-13, precision: Precision::F64 };
+/// Least duration of a measurement, seconds.
+const LEAST_SECONDS: f64 = 0.05;
+/// Rays that a thread takes at once.
+const GRAIN: usize = 64;
+/// Size of one diagram, points.
+const CHART: [f64; 2] = [520.0, 460.0];
+
+impl Exact {
+    /// The end of `ray` as the most exact stepper finds it.
+    ///
+    /// # Errors
+    /// As [`free::trace`].
+    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, Fault> {
+        let exit = free::trace(spacetime, ray, &EXACT)?;
+        let crossing = exit.crossing.map(|crossing| Crossing {
+            position: crossing.position,
+            direction: crossing.direction,
+            sens: crossing.sens,
+        });
+        Ok(Self { status: exit.status, crossing })
+    }
+}
+
+/// Rays that are followed in all settings.
+pub struct TableRays<'a> {
+    cases: &'a [Case],
+    settings: Vec<Accuracy>,
+    /// Without one, rayon's own.
+    pool: Option<ThreadPool>,
+    /// Of the settings: errors, and steps tried per ray.
+    found: Vec<(Errors, f64)>,
+    /// How often all rays are followed in one measurement of a setting.
+    repeats: Vec<usize>,
+}
+
+impl Study for TableRays<'_> {
+    type Sample = f64;
+    type Findings = Report;
+    type Error = Refusal;
+
+    fn settings(&self) -> usize {
+        self.settings.len()
+    }
+
+    fn prepare(&mut self, setting: usize) -> Result<(), Refusal> {
+        let accuracy = self.settings[setting];
+        let arrivals = self.arrivals(&accuracy)?;
+        let steps: f64 = arrivals.iter().map(|arrival| f64::from(arrival.steps)).sum();
+        let errors = Errors::of(self.cases, &arrivals, accuracy.tolerance);
+        self.found.push((errors, steps / self.cases.len() as f64));
+        Ok(())
+    }
+
+    /// Thread time of a ray, nanoseconds, over as many repeats of all rays as it takes, which are kept for next time.
+    fn measure(&mut self, setting: usize) -> Result<f64, Refusal> {
+        let count = self.cases.len();
+        loop {
+            let rays = count * self.repeats[setting];
+            let seconds = self.seconds(&self.settings[setting], rays);
+            if seconds >= LEAST_SECONDS {
+                let threads = self.install(rayon::current_num_threads);
+                return Ok(1e9 * seconds * threads as f64 / rays as f64);
+            }
+            // A little more than it takes by this measurement, which may be one of a cold start.
+            let factor = (1.2 * LEAST_SECONDS / seconds.max(1e-6)).min(100.0);
+            self.repeats[setting] = (self.repeats[setting] as f64 * factor).ceil() as usize;
+        }
+    }
+
+    fn conclude(self, samples: Vec<Vec<f64>>) -> Report {
+        let measured = self.settings.iter().zip(&self.found).zip(&samples);
+        let measurements: Vec<Measurement> = measured
+            .map(|((&setting, &(errors, steps_per_ray)), times)| Measurement {
+                setting,
+                errors,
+                ns_per_ray: median(times, |time| *time),
+                steps_per_ray,
+            })
+            .collect();
+        trade_off::report(&measurements)
+    }
+}
+
+impl<'a> TableRays<'a> {
+    /// A study of `settings` on `cases`; 0 `threads` means one per core.
+    pub fn new(cases: &'a [Case], settings: Vec<Accuracy>, threads: usize) -> Self {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok();
+        let repeats = vec![1; settings.len()];
+        Self { cases, settings, pool, found: Vec::new(), repeats }
+    }
+
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, Refusal> {
+        let arrive = |(index, case): (usize, &Case)| {
+            free::arrive(case.spacetime, &case.ray, accuracy).map_err(|fault| Refusal { index, fault })
+        };
+        self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
+    }
+
+    /// Wall time in which `rays` rays are followed, round and round through the cases.
+    fn seconds(&self, accuracy: &Accuracy, rays: usize) -> f64 {
+        let started = Instant::now();
+        self.install(|| {
+            (0..rays).into_par_iter().with_min_len(GRAIN).for_each(|index| {
+                let case = &self.cases[index % self.cases.len()];
+                let _ = black_box(free::arrive(case.spacetime, &case.ray, accuracy));
+            });
+        });
+        started.elapsed().as_secs_f64()
+    }
+}
+
+impl Errors {
+    fn of(cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
+        let (mut direction, mut direction_over_sens) = (Vec::new(), Vec::new());
+        let (mut position, mut position_over_sens) = (Vec::new(), Vec::new());
+        let mut differ = 0;
+        let (mut above, mut worst) = (0, 0.0_f64);
+        for (Case { ray, exact, .. }, arrival) in cases.iter().zip(arrivals) {
+            if arrival.status != exact.status {
+                differ += 1;
+                continue;
+            }
+            let (Some((x, d)), Some(exact)) = (arrival.crossing, exact.crossing) else { continue };
+            let (turned, off) = (angle(d, exact.direction), x.distance(exact.position) / ray.r_out);
+            direction.push(turned);
+            direction_over_sens.push(turned / exact.sens);
+            position.push(off);
+            position_over_sens.push(off / exact.sens);
+            let ratio = turned.max(off) / (tolerance * exact.sens);
+            above += usize::from(ratio > 1.0);
+            worst = worst.max(ratio);
+        }
+        let (rays, compared) = (cases.len(), direction.len());
+        let share = |count: usize, of: usize| count as f64 / of as f64;
+        Self {
+            rays,
+            compared,
+            differ: share(differ, rays),
+            honesty: (compared > 0).then(|| Honesty { above: share(above, compared), worst }),
+            direction: Spread::of(direction),
+            direction_over_sens: Spread::of(direction_over_sens),
+            position: Spread::of(position),
+            position_over_sens: Spread::of(position_over_sens),
+        }
+    }
+}
+
+impl TradeOff for Measurement {
+    /// 99th percentile of the error of direction at the start, radians, and time per ray, nanoseconds.
+    fn place(&self) -> [f64; 2] {
+        [self.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.p99), self.ns_per_ray]
+    }
+
+    fn printed(&self, row: Row) -> Row {
+        let Self { setting, errors, .. } = self;
+        let honest = |text: fn(Honesty) -> String| errors.honesty.map_or(NONE.to_owned(), text);
+        row.cell("stepper", flag_name(setting.stepper))
+            .cell("precision", flag_name(setting.precision))
+            .cell("tolerance", format!("{:e}", setting.tolerance))
+            .cell("median/sens", scientific(errors.direction_over_sens.map(|spread| spread.median), 1))
+            .cell("99 %/sens", scientific(errors.direction_over_sens.map(|spread| spread.p99), 1))
+            .cell("max/sens", scientific(errors.direction_over_sens.map(|spread| spread.max), 1))
+            .cell("above tolerance", honest(|honesty| percent(honesty.above)))
+            .cell("worst", honest(|honesty| format!("{:.2}", honesty.worst)))
+            .cell("wrong fate", percent(errors.differ))
+            .cell("ns/ray", format!("{:.0}", self.ns_per_ray))
+            .cell("steps/ray", format!("{:.2}", self.steps_per_ray))
+    }
+
+    fn row(&self) -> Row {
+        let Self { setting, errors, .. } = self;
+        let mut row = Row::default()
+            .cell("stepper", flag_name(setting.stepper))
+            .cell("precision", flag_name(setting.precision))
+            .cell("tolerance", setting.tolerance)
+            .cell("rays", errors.rays)
+            .cell("compared", errors.compared)
+            .cell("differ", errors.differ);
+        let spreads = [
+            ("direction", errors.direction),
+            ("direction_over_sens", errors.direction_over_sens),
+            ("position", errors.position),
+            ("position_over_sens", errors.position_over_sens),
+        ];
+        for (name, spread) in spreads {
+            row = row
+                .maybe(format!("{name}_median"), spread.map(|spread| spread.median))
+                .maybe(format!("{name}_p99"), spread.map(|spread| spread.p99))
+                .maybe(format!("{name}_max"), spread.map(|spread| spread.max));
+        }
+        row.maybe("above_tolerance", errors.honesty.map(|honesty| honesty.above))
+            .maybe("worst_over_tolerance", errors.honesty.map(|honesty| honesty.worst))
+            .cell("ns_per_ray", self.ns_per_ray)
+            .cell("steps_per_ray", self.steps_per_ray)
+    }
+
+    /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the tolerance.
+    fn figure(all: &[Self]) -> Figure {
+        let at = |place: &dyn Fn(&Measurement) -> [f64; 2]| -> Vec<(Curve, [f64; 2])> {
+            let curve = |Accuracy { stepper, precision, .. }| Curve { stepper, precision, schedule: None };
+            all.iter().map(|m| (curve(m.setting), place(m))).collect()
+        };
+        let error = "angle at the end / sens (radians)";
+        let largest = |m: &Measurement| m.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.max);
+        let kept = at(&|m| [m.setting.tolerance, largest(m)]);
+        let allowed = all.iter().map(|m| [m.setting.tolerance; 2]).collect();
+        let charts = vec![
+            over_front(
+                "Work and precision, 99 % of the rays",
+                [error, "time per ray (ns)"],
+                CHART,
+                &at(&Measurement::place),
+            ),
+            Chart::log_log(
+                "Largest error (grey: the tolerance)",
+                ["tolerance (radians)", error],
+                CHART,
+                through(&kept),
+            )
+            .over(broad("error = tolerance", allowed)),
+        ];
+        Figure { charts }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn case(sens: f64) -> Case {
+        let ray = FreeRay { start: DVec3::X, direction: DVec3::X, r_out: 2.0 };
+        let crossing = Crossing { position: 2.0 * DVec3::X, direction: DVec3::X, sens };
+        let exact = Exact { status: Status::Escaped, crossing: Some(crossing) };
+        Case { spacetime: SpacetimeKind::Flat, ray, exact }
+    }
+
+    #[test]
+    fn errors_are_those_computed_by_hand() {
+        let arrival = |status, off: f64| Arrival {
+            status,
+            crossing: (status == Status::Escaped).then(|| (DVec3::new(2.0, off, 0.0), DVec3::X)),
+            steps: 1,
+        };
+        let cases = [case(1.0), case(10.0), case(1.0), case(1.0)];
+        let arrivals = [
+            arrival(Status::Escaped, 0.02),
+            arrival(Status::Escaped, 0.02),
+            arrival(Status::Captured, 0.0),
+            arrival(Status::Escaped, 0.0),
+        ];
+        let errors = Errors::of(&cases, &arrivals, 5e-3);
+        assert_eq!((errors.rays, errors.compared, errors.differ), (4, 3, 0.25));
+        assert_eq!(errors.direction.unwrap().max, 0.0);
+        assert_eq!(errors.position.unwrap().max, 0.01);
+        assert_eq!(errors.position_over_sens.unwrap().median, 0.001);
+        assert_eq!(errors.honesty, Some(Honesty { above: 1.0 / 3.0, worst: 2.0 }));
+        assert_eq!(Errors::of(&cases[2..3], &arrivals[2..3], 1.0).honesty, None);
+    }
+}
