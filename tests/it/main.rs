@@ -65,6 +65,7 @@ mod commands {
 }
 
 mod project {
+    mod circles;
     mod layers;
     mod nightly;
 }
