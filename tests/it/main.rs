@@ -67,6 +67,7 @@ mod commands {
 }
 
 mod project {
+    mod circles;
     mod layers;
     mod nightly;
     mod readme;

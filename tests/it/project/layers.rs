@@ -27,7 +27,8 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ),
 ];
 
-fn sources(folder: &Path) -> Vec<PathBuf> {
+/// Rust files in a folder and its subfolders, in order.
+pub fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let mut files = Vec::new();
     for entry in entries {
