@@ -7,7 +7,6 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 
@@ -168,10 +167,10 @@ pub(super) struct Planes(pub(super) Vec<Aov>);
 /// The name of a plane, or `all`.
 pub(super) fn planes() -> impl TypedValueParser<Value = Planes> {
     let all = PossibleValue::new("all").help("All of these");
-    let names = Aov::value_variants().iter().filter_map(Aov::to_possible_value).chain([all]);
-    PossibleValuesParser::new(names).map(|name| {
-        Planes(Aov::from_str(&name, false).map_or(Aov::value_variants().to_vec(), |plane| vec![plane]))
-    })
+    let names =
+        Aov::ALL.iter().map(|plane| PossibleValue::new(plane.name()).help(plane.about())).chain([all]);
+    PossibleValuesParser::new(names)
+        .map(|name| Planes(Aov::named(&name).map_or(Aov::ALL.to_vec(), |plane| vec![plane])))
 }
 
 /// `X,Y,Z`: a point or a direction, scene units.

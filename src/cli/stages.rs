@@ -127,7 +127,7 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
 }
 
 fn aovs(planes: &[Aov]) -> Stage {
-    let names: Vec<String> = planes.iter().map(|&plane| flag_name(plane)).collect();
+    let names: Vec<&str> = planes.iter().map(|plane| plane.name()).collect();
     match names.is_empty() {
         true => stage("AOVs", false, "none asked for"),
         false => stage("AOVs", true, names.join(", ")),

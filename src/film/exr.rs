@@ -14,7 +14,7 @@ use exr::meta::attribute::{self, AttributeValue, IntegerBounds, LevelMode, LineO
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, WritableImage};
 
-use super::{Image, Plane};
+use super::image::{Image, Plane};
 
 /// Put before the names of the image's own attributes, so that none can collide with one that the format reserves.
 pub(super) const ATTRIBUTE_PREFIX: &str = "warpfront.";

@@ -2,12 +2,22 @@
 
 pub mod atomic;
 mod exr;
+mod fate;
 mod image;
+mod plane;
 mod png;
 mod read;
+mod sample;
+mod sums;
 mod tone;
+mod wanted;
 
 pub use self::exr::write_exr;
-pub use self::image::{Aov, BEAUTY, Image, Plane};
+pub use self::fate::Fate;
+pub use self::image::{BEAUTY, Image, Plane};
+pub use self::plane::{Aov, Needs};
 pub use self::png::{write_png, write_rgb8};
 pub use self::read::{ReadError, read_exr, read_exr_with};
+pub use self::sample::{CameraRay, Sample};
+pub(crate) use self::sums::Sums;
+pub use self::wanted::Wanted;

@@ -6,8 +6,8 @@ use glam::Vec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 
+use super::image::{BEAUTY, Image};
 use super::tone::to_srgb8;
-use super::{BEAUTY, Image};
 
 /// Writes the data window of `image` as 8-bit sRGB, made brighter by `exposure` stops and tone mapped; with alpha if the
 /// background is `transparent`, else opaque.
@@ -72,7 +72,7 @@ fn invalid(what: &str) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Plane;
+    use crate::film::image::Plane;
 
     fn picture(values: [f32; 2]) -> Image {
         Image {

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
 use exr::meta::attribute::{AttributeValue, IntegerBounds};
 use exr::meta::header::Header;
 use glam::Vec3;
 
 use super::exr::ATTRIBUTE_PREFIX;
-use super::{Aov, BEAUTY, Image, Plane};
+use super::image::{BEAUTY, Image, Plane};
+use super::plane::Aov;
 use crate::asset::exr::{Colours, ExrFile};
 use crate::asset::{Files, Flaw};
 
@@ -95,6 +95,7 @@ fn decode(file: &ExrFile, files: &Files) -> Result<Image, Flaw> {
         planes: sorted(planes),
     })
 }
+
 /// The part of the data window that lies within the display window.
 struct Shown {
     /// First column and row, from those of the data window.
@@ -179,7 +180,7 @@ fn convert(file: &ExrFile, colours: &Colours, planes: &mut [Plane]) {
 
 /// In the order in which a render makes them.
 fn sorted(mut planes: Vec<Plane>) -> Vec<Plane> {
-    let aovs = Aov::value_variants().iter().flat_map(|aov| aov.channels());
+    let aovs = Aov::ALL.iter().flat_map(|aov| aov.channels());
     let order: Vec<&str> = BEAUTY.iter().chain(aovs).copied().collect();
     planes.sort_by_key(|plane| order.iter().position(|name| *name == plane.name).unwrap_or(order.len()));
     planes
@@ -207,7 +208,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::film::write_exr;
+    use crate::film::exr::write_exr;
 
     const AWKWARD: [f32; 12] = [
         0.0,
@@ -225,7 +226,7 @@ mod tests {
     ];
 
     fn every_plane(origin: (usize, usize), picture: (usize, usize)) -> Image {
-        let aovs = Aov::value_variants().iter().flat_map(|aov| aov.channels());
+        let aovs = Aov::ALL.iter().flat_map(|aov| aov.channels());
         let plane = |(i, name): (usize, &&str)| {
             let mut values = AWKWARD.to_vec();
             values.rotate_left(i % AWKWARD.len());

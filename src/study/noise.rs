@@ -20,14 +20,17 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::window::Window;
-use crate::film::Image;
+use crate::film::{Aov, Image};
 
 /// Least side of a block, pixels, in pictures that are as large.
 pub const BLOCK: usize = 16;
 /// Share of equal pictures that are called different.
 pub const SIGNIFICANCE: f64 = 0.01;
 /// Colours and the variances of their means.
-const CHANNELS: [(&str, &str); 3] = [("R", "variance.R"), ("G", "variance.G"), ("B", "variance.B")];
+pub(super) const CHANNELS: [(&str, &str); 3] = {
+    let variances = Aov::Variance.channels();
+    [("R", variances[0]), ("G", variances[1]), ("B", variances[2])]
+};
 
 /// Differences in units of their standard deviation.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -3,6 +3,7 @@
 use std::iter::zip;
 
 use super::compare::{EPSILON, Mismatch, Pair};
+use super::noise::CHANNELS;
 use crate::film::Image;
 
 /// A picture that is taken for true but for its noise.
@@ -23,9 +24,6 @@ pub struct Variances {
     /// Variance of the mean of the picture, unit of radiance².
     pub mean: f64,
 }
-
-/// Colours and the variances of their means.
-const CHANNELS: [(&str, &str); 3] = [("R", "variance.R"), ("G", "variance.G"), ("B", "variance.B")];
 
 impl Reference {
     /// A picture from elsewhere, which messages call `name`, for pictures of `size` pixels; its noise is that of its

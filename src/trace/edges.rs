@@ -147,9 +147,8 @@ fn range(values: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Image;
+    use crate::film::{Image, Wanted};
     use crate::scene::load;
-    use crate::trace::samples::Wanted;
     use crate::trace::tile;
     use crate::trace::transport::{Errand, Transport};
     use crate::trace::with_render_transport;

@@ -3,23 +3,7 @@
 use std::convert::Infallible;
 
 use super::transport::Outcome;
-
-/// How a ray ended; the numbers are those of the `fate` plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Fate {
-    /// Met a surface.
-    Hit = 1,
-    /// Left to infinity.
-    Escaped = 2,
-    /// Fell through the horizon.
-    Captured = 3,
-    /// Ran out of steps.
-    StepLimit = 4,
-    /// Lost its state.
-    #[default]
-    NonFinite = 5,
-}
+pub use crate::film::Fate;
 
 impl Fate {
     /// All, in order.

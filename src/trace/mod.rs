@@ -37,7 +37,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::film::{Aov, Image};
+use crate::film::{Aov, Image, Wanted};
 use crate::scene::Baked;
 use choice::with_render_transport;
 use edges::Edges;
@@ -46,7 +46,6 @@ use halt::Halt;
 use illumination::Illumination;
 pub use illumination::LightSummary;
 pub use probe::{Probe, Reading, probe};
-use samples::Wanted;
 pub use shoot::{Ray, Shot, shoot};
 pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
 use tile::Tile;

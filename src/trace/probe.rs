@@ -11,12 +11,12 @@ use super::edges::Edges;
 use super::halt::Halt;
 use super::illumination::{Illumination, LightSummary};
 use super::photons;
-use super::samples::Wanted;
 use super::tile::TILE;
 use super::transport::{Errand, Transport};
 use super::work::{Job, Lattice, Share, Work};
 use super::worker::{Worker, Workers};
 use super::{Run, on_threads, pass_of, with_render_transport};
+use crate::film::Wanted;
 use crate::scene::{Baked, Schedule, Settings};
 
 /// Samples of each pixel that is looked at, at most: as many as a pass of a render takes.

@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::fate::Fate;
-use super::samples::{FirstHit, Samples, Wanted};
-use crate::film::{Aov, BEAUTY, Image, Plane};
+use super::samples::Samples;
+use crate::film::{Aov, BEAUTY, Image, Plane, Sums, Wanted};
 
 /// Columns and rows of a tile.
 pub const TILE: usize = 32;
@@ -20,47 +19,20 @@ pub struct Tile {
     /// Samples that each pixel holds.
     pub spp: u32,
     beauty: Vec<[f64; 4]>,
-    squares: Vec<[f64; 3]>,
-    first: Vec<FirstSums>,
-    steps: Vec<u64>,
-}
-
-/// Sums over the first hits of a pixel.
-#[derive(Clone, Copy, Debug, Default)]
-struct FirstSums {
-    hits: u32,
-    depth: f64,
-    position: DVec3,
-    normal: DVec3,
-    albedo: DVec3,
-    /// Entity + 1 and fate of the first sample: identities have no mean.
-    entity: u32,
-    fate: u8,
+    planes: Vec<Sums>,
 }
 
 impl Tile {
     /// Bytes for each pixel.
     pub fn pixel_bytes(wanted: Wanted) -> usize {
-        let optional = |yes: bool, bytes: usize| if yes { bytes } else { 0 };
-        size_of::<[f64; 4]>()
-            + optional(wanted.variance, size_of::<[f64; 3]>())
-            + optional(wanted.first_hit, size_of::<FirstSums>())
-            + optional(wanted.steps, size_of::<u64>())
+        size_of::<[f64; 4]>() + wanted.planes().map(Sums::pixel_bytes).sum::<usize>()
     }
 
     /// An empty tile.
     pub fn new(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Self {
         let pixels = size.0 * size.1;
-        let optional = |yes: bool| if yes { pixels } else { 0 };
-        Self {
-            origin,
-            size,
-            spp: 0,
-            beauty: vec![[0.0; 4]; pixels],
-            squares: vec![[0.0; 3]; optional(wanted.variance)],
-            first: vec![FirstSums::default(); optional(wanted.first_hit)],
-            steps: vec![0; optional(wanted.steps)],
-        }
+        let planes = wanted.planes().map(|aov| Sums::new(aov, pixels)).collect();
+        Self { origin, size, spp: 0, beauty: vec![[0.0; 4]; pixels], planes }
     }
 
     /// Adds `count` more samples of every pixel, pixel by pixel.
@@ -78,9 +50,7 @@ impl Tile {
         for (place, &pixel) in pixels.iter().enumerate() {
             let pixel = pixel as usize;
             self.beauty[pixel] = Default::default();
-            self.squares.get_mut(pixel).map(std::mem::take);
-            self.first.get_mut(pixel).map(std::mem::take);
-            self.steps.get_mut(pixel).map(std::mem::take);
+            self.planes.iter_mut().for_each(|plane| plane.clear(pixel));
             self.add_to(pixel, samples, place * per_pixel..(place + 1) * per_pixel, true);
         }
     }
@@ -93,85 +63,36 @@ impl Tile {
             let covered = f64::from(u8::from(samples.covered[slot]));
             let values = [radiance.x, radiance.y, radiance.z, covered];
             self.beauty[pixel].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-            if let Some(squares) = self.squares.get_mut(pixel) {
-                squares.iter_mut().zip((radiance * radiance).to_array()).for_each(|(s, v)| *s += v);
-            }
-            if let Some(first) = self.first.get_mut(pixel) {
-                first.add(&samples.first[slot], is_new && slot == start);
-            }
-            if let Some(steps) = self.steps.get_mut(pixel) {
-                *steps += u64::from(samples.steps[slot]);
-            }
+            let sample = samples.get(slot);
+            self.planes.iter_mut().for_each(|plane| plane.add(pixel, &sample, is_new && slot == start));
         }
     }
 
-    /// Mean colour of a pixel.
-    fn mean(&self, pixel: usize) -> Vec3 {
-        let [r, g, b, _] = self.beauty[pixel].map(|sum| (sum / self.count()) as f32);
-        Vec3::new(r, g, b)
+    /// Means of a pixel's R, G, B, A.
+    fn beauty(&self, pixel: usize) -> [f64; 4] {
+        let samples = self.samples();
+        self.beauty[pixel].map(|sum| sum / samples)
     }
 
-    /// Variance of the mean of a pixel's channels: sample variance over the number of samples.
-    fn variance(&self, pixel: usize) -> [f32; 3] {
-        let n = self.count();
-        std::array::from_fn(|channel| {
-            let mean = self.beauty[pixel][channel] / n;
-            let spread = (self.squares[pixel][channel] / n - mean * mean).max(0.0);
-            (spread / (n - 1.0).max(1.0)) as f32
-        })
-    }
-
-    fn count(&self) -> f64 {
+    fn samples(&self) -> f64 {
         f64::from(self.spp.max(1))
+    }
+
+    /// The values of a pixel's channels for `aov`; none if it is not wanted.
+    fn values(&self, aov: Aov, pixel: usize) -> impl Iterator<Item = f32> {
+        let [r, g, b, _] = self.beauty(pixel);
+        let plane = self.planes.iter().find(|plane| plane.aov() == aov);
+        plane.into_iter().flat_map(move |plane| plane.values(pixel, [r, g, b], self.samples()))
     }
 
     /// Sum over pixels of the standard error relative to the pixel's brightness, and how many pixels that is.
     pub fn relative_error(&self) -> (f64, usize) {
         let of = |pixel: usize| {
-            let error = self.variance(pixel).iter().sum::<f32>().sqrt();
-            f64::from(error / (self.mean(pixel).length() + 1e-3))
+            let error = self.values(Aov::Variance, pixel).sum::<f32>().sqrt();
+            let [r, g, b, _] = self.beauty(pixel).map(|mean| mean as f32);
+            f64::from(error / (Vec3::new(r, g, b).length() + 1e-3))
         };
         ((0..self.beauty.len()).map(of).sum(), self.beauty.len())
-    }
-
-    /// The values of a pixel's channels for `aov`.
-    fn values(&self, aov: Aov, pixel: usize) -> Vec<f32> {
-        let first = || self.first[pixel];
-        let vector = |v: DVec3| v.as_vec3().to_array().to_vec();
-        match aov {
-            Aov::Depth => {
-                let first = first();
-                vec![if first.hits == 0 {
-                    f32::INFINITY
-                } else {
-                    (first.depth / f64::from(first.hits)) as f32
-                }]
-            }
-            Aov::Position => vector(first().position / f64::from(first().hits.max(1))),
-            Aov::Normal => vector(first().normal / self.count()),
-            Aov::Albedo => vector(first().albedo / self.count()),
-            Aov::Entity => vec![first().entity as f32],
-            Aov::Fate => vec![f32::from(first().fate)],
-            Aov::Variance => self.variance(pixel).to_vec(),
-            Aov::Steps => vec![(self.steps[pixel] as f64 / self.count()) as f32],
-        }
-    }
-}
-
-impl FirstSums {
-    fn add(&mut self, hit: &FirstHit, is_first_sample: bool) {
-        let on_surface = hit.fate == Fate::Hit;
-        if is_first_sample {
-            self.entity = if on_surface { hit.entity + 1 } else { 0 };
-            self.fate = hit.fate as u8;
-        }
-        if on_surface {
-            self.hits += 1;
-            self.depth += hit.depth;
-            self.position += hit.position;
-            self.normal += hit.normal;
-            self.albedo += hit.albedo.as_dvec3();
-        }
     }
 }
 
@@ -199,7 +120,7 @@ pub fn assemble(mut tiles: Vec<Tile>, aovs: &[Aov], image: &mut Image) {
         for pixel in 0..tile.size.0 * tile.size.1 {
             let x = tile.origin.0 - image.origin.0 + pixel % tile.size.0;
             let y = tile.origin.1 - image.origin.1 + pixel / tile.size.0;
-            let beauty = tile.beauty[pixel].map(|sum| (sum / tile.count()) as f32);
+            let beauty = tile.beauty(pixel).map(|mean| mean as f32);
             let extra = aovs.iter().flat_map(|&aov| tile.values(aov, pixel));
             for (plane, value) in image.planes.iter_mut().zip(beauty.into_iter().chain(extra)) {
                 plane.values[y * width + x] = value;

@@ -223,7 +223,7 @@ impl<T: Transport> Wavefront<T> {
 
     /// Records moves for the planes that want them.
     fn record_steps(&self, transport: &T, samples: &mut Samples) {
-        if !(samples.wanted().steps || samples.wanted().depth) {
+        if !(samples.needs().steps || samples.needs().length) {
             return;
         }
         for lane in 0..self.live {

@@ -5,12 +5,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::edges::Edges;
 use super::per_pixel;
-use super::samples::{Samples, Wanted};
+use super::samples::Samples;
 use super::stats::{Counters, StageTimes};
 use super::tile::Tile;
 use super::transport::Transport;
 use super::wavefront::Wavefront;
 use super::work::{Job, Lattice, Share, Work};
+use crate::film::Wanted;
 use crate::scene::Schedule;
 
 /// The worker threads of a render.

@@ -2,22 +2,23 @@
 
 use super::super::fate::Fate;
 use super::super::path::Path;
-use super::super::samples::{FirstHit, Samples};
+use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::work::Job;
+use crate::film::CameraRay;
 use crate::geometry::SurfacePoint;
 use crate::scene::Background;
 
 /// Records the surface that a camera ray lands on; later rays are not recorded.
 #[inline]
 pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePoint, samples: &mut Samples) {
-    if path.depth > 1 || !samples.wanted().first_hit {
+    if path.depth > 1 || !samples.needs().camera_ray {
         return;
     }
-    let first = &mut samples.first[path.slot as usize];
-    *first = FirstHit {
+    let ray = &mut samples.camera_rays[path.slot as usize];
+    *ray = CameraRay {
         fate: Fate::Hit,
-        depth: first.depth,
+        length: ray.length,
         position: landing.position,
         normal: surface.shading_normal,
         albedo: job.scene.materials[surface.surface.material as usize].albedo(),
@@ -33,18 +34,18 @@ pub fn record_end(job: &Job, path: &Path, fate: Fate, samples: &mut Samples) {
     }
     let is_backed = job.settings.background == Background::Opaque && !job.scene.environment.is_black();
     samples.covered[path.slot as usize] = fate != Fate::Escaped || is_backed;
-    if samples.wanted().first_hit {
-        samples.first[path.slot as usize].fate = fate;
+    if samples.needs().camera_ray {
+        samples.camera_rays[path.slot as usize].fate = fate;
     }
 }
 
 /// Adds a step, of a light ray or not, and for camera rays its length, computed only if wanted.
 #[inline]
 pub fn record_step(path: &Path, is_lit: bool, length: impl FnOnce() -> f64, samples: &mut Samples) {
-    if samples.wanted().steps {
+    if samples.needs().steps {
         samples.steps[path.slot as usize] += 1;
     }
-    if samples.wanted().depth && path.depth == 1 && !is_lit {
-        samples.first[path.slot as usize].depth += length();
+    if samples.needs().length && path.depth == 1 && !is_lit {
+        samples.camera_rays[path.slot as usize].length += length();
     }
 }

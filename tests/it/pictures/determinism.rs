@@ -25,7 +25,7 @@ fn scenes() -> Vec<PathBuf> {
 
 /// A run with every plane there is.
 fn run() -> Run {
-    Run { aovs: Aov::value_variants().to_vec(), ..Run::default() }
+    Run { aovs: Aov::ALL.to_vec(), ..Run::default() }
 }
 
 fn image(path: &Path, overrides: &[&str], run: &Run) -> Image {
@@ -46,6 +46,22 @@ fn assert_schedules_agree(path: &Path, overrides: &[&str]) {
     let with = |schedule| image(path, &[overrides, &[schedule]].concat(), &run());
     let what = format!("{} {overrides:?}", path.display());
     assert_same_bits(&with("render.schedule=wavefront"), &with("render.schedule=per-pixel"), &what);
+}
+
+/// What one plane needs may be recorded for another.
+#[test]
+fn a_plane_alone_is_the_same_as_beside_all_others() {
+    let path = scene_path("cornell_black_hole.toml");
+    let all = image(&path, &[], &run());
+    for &plane in Aov::ALL {
+        let alone = image(&path, &[], &Run { aovs: vec![plane], ..Run::default() });
+        for channel in plane.channels() {
+            let bits = |image: &Image| -> Vec<u32> {
+                image.plane(channel).expect(channel).iter().map(|value| value.to_bits()).collect()
+            };
+            assert!(bits(&alone) == bits(&all), "{channel}");
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,40 @@
+//! Record of one path, from which the planes of its pixel are made.
+
+use glam::{DVec3, Vec3};
+
+use super::fate::Fate;
+
+/// What one path leaves in its pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Radiance that it found.
+    pub radiance: Vec3,
+    /// End of its camera ray, if some plane [needs](super::Needs) it.
+    pub camera_ray: Option<&'a CameraRay>,
+    /// March steps of all its rays; 0 unless some plane needs them.
+    pub steps: u32,
+}
+
+/// End of a camera ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CameraRay {
+    /// How it ended; all but the length is of a hit only.
+    pub fate: Fate,
+    /// Coordinate path length, scene units; 0 unless some plane needs it.
+    pub length: f64,
+    /// World position.
+    pub position: DVec3,
+    /// World shading normal.
+    pub normal: DVec3,
+    /// Colour of the material.
+    pub albedo: Vec3,
+    /// Entity index.
+    pub entity: u32,
+}
+
+impl Sample<'_> {
+    /// The camera ray, if it met a surface.
+    pub fn first_hit(&self) -> Option<&CameraRay> {
+        self.camera_ray.filter(|ray| ray.fate == Fate::Hit)
+    }
+}
