@@ -23,7 +23,20 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ),
     (
         "cli",
-        &["study", "trace", "scene", "film", "plot", "asset", "light", "shade", "geometry", "math", "text"],
+        &[
+            "study",
+            "trace",
+            "scene",
+            "film",
+            "plot",
+            "asset",
+            "light",
+            "shade",
+            "geometry",
+            "spacetime",
+            "math",
+            "text",
+        ],
     ),
 ];
 
