@@ -1,4 +1,4 @@
-//! Planes beside the beauty: one file and one line in [`planes!`] each.
+//! Planes beside the beauty: one file and one line in `planes!` each.
 //!
 //! A plane's file says what it takes from a [sample](super::Sample), how the samples of a pixel become one value, and the
 //! names of its channels. The command line's names and help, what a render records, the order of the channels in a file,
