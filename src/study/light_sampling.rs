@@ -171,11 +171,6 @@ impl Study for LightStudy<'_> {
         self.settings.len()
     }
 
-    /// Nothing to warm up: the reference was rendered before.
-    fn prepare(&mut self, _: usize) -> Result<(), Mismatch> {
-        Ok(())
-    }
-
     fn measure(&mut self, setting: usize) -> Result<Shot, Mismatch> {
         let (way, spp) = self.settings[setting];
         let (image, seconds) = self.renders.render(way, spp);

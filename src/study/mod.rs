@@ -9,7 +9,6 @@ pub mod estimate;
 mod fan;
 pub mod forecast;
 pub mod free;
-pub(crate) mod grid;
 pub(crate) mod light_sampling;
 pub mod noise;
 mod pareto;
@@ -20,6 +19,7 @@ pub(crate) mod rounds;
 pub(crate) mod table;
 pub(crate) mod table_rays;
 mod trade_off;
+pub(crate) mod way;
 pub mod window;
 
 pub use fan::{Fan, FanError, FanOptions};
