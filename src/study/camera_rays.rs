@@ -52,16 +52,6 @@ const CAMERA_SPP: u32 = 8;
 /// Size of one diagram, points.
 const CHART: [f64; 2] = [470.0, 420.0];
 
-impl Way {
-    /// `base` with this way in it.
-    fn over(&self, base: &Settings) -> Settings {
-        let Self { stepper, precision, .. } = *self;
-        let tolerance = self.tolerance.unwrap_or(base.tolerance);
-        let schedule = self.schedule.unwrap_or(base.schedule);
-        Settings { stepper, tolerance, precision, schedule, ..base.clone() }
-    }
-}
-
 /// A scene whose camera rays are followed in all settings.
 pub struct CameraRays {
     scene: Baked,
@@ -72,7 +62,7 @@ pub struct CameraRays {
     spp: u32,
     /// Worker threads; 0 means one per core.
     threads: usize,
-    reference: Reference,
+    exact: ExactEnds,
     /// Of the settings.
     errors: Vec<Errors>,
 }
@@ -89,8 +79,8 @@ impl CameraRays {
             arc_tolerance: Some(EXACT_ARC * scene.arc_tolerance()),
             ..base.clone()
         };
-        let reference = Reference::of_pixels(&scene);
-        Self { scene, base, settings, spp, threads, reference, errors: Vec::new() }
+        let exact = ExactEnds::of_pixels(&scene);
+        Self { scene, base, settings, spp, threads, exact, errors: Vec::new() }
     }
 
     /// Renders the scene with so many samples per pixel and segments per path.
@@ -112,7 +102,7 @@ impl Study for CameraRays {
 
     fn prepare(&mut self, setting: usize) -> Result<(), Infallible> {
         self.scene.settings = self.settings[setting].over(&self.base);
-        self.errors.push(self.reference.errors(&self.scene));
+        self.errors.push(self.exact.errors(&self.scene));
         Ok(())
     }
 
@@ -137,7 +127,7 @@ impl Study for CameraRays {
 }
 
 /// Rays and where they should end.
-struct Reference {
+struct ExactEnds {
     rays: Vec<Ray>,
     ends: Vec<Shot>,
     /// Where distances are seen from.
@@ -146,7 +136,7 @@ struct Reference {
     pixel: f64,
 }
 
-impl Reference {
+impl ExactEnds {
     /// The rays through the pixel centres of `scene`'s camera, followed as its settings say.
     fn of_pixels(scene: &Baked) -> Self {
         let (width, height) = (scene.settings.width, scene.settings.height);

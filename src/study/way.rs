@@ -3,7 +3,7 @@
 use super::free::Accuracy;
 use super::table::{NONE, Row};
 use crate::geodesic::Control;
-use crate::scene::{Precision, Schedule, StepperKind, flag_name};
+use crate::scene::{Precision, Schedule, Settings, StepperKind, flag_name};
 
 /// Those of `tolerances` to which rays in numbers of `precision` can be held.
 pub(super) fn tolerances_for(precision: Precision, tolerances: &[f64]) -> impl Iterator<Item = f64> {
@@ -66,6 +66,14 @@ impl Way {
             }
         }
         ways
+    }
+
+    /// `base` with this way in it.
+    pub(super) fn over(&self, base: &Settings) -> Settings {
+        let Self { stepper, precision, .. } = *self;
+        let tolerance = self.tolerance.unwrap_or(base.tolerance);
+        let schedule = self.schedule.unwrap_or(base.schedule);
+        Settings { stepper, tolerance, precision, schedule, ..base.clone() }
     }
 
     /// Adds the cells that people read.
