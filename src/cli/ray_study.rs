@@ -20,8 +20,8 @@ use super::table::{Table, line};
 use super::units::plural;
 use crate::scene::StepperKind;
 use crate::study::free::Status;
-use crate::study::grid::grid;
 use crate::study::table_rays::{Case, Crossing, Exact, TableRays};
+use crate::study::way::grid;
 
 /// Tolerances, those on a scene and finer ones.
 const TOLERANCES: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12];

@@ -15,7 +15,8 @@ use super::say::say_remarks;
 use super::shared_args::distinct;
 use super::{light_study, memory, overwrite, ray_study};
 use crate::scene::{self, Baked, LoadOptions, StepperKind};
-use crate::study::camera_rays::{CameraRays, Setting};
+use crate::study::camera_rays::CameraRays;
+use crate::study::way::Way;
 
 /// Tolerances on a scene.
 const TOLERANCES: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
@@ -37,7 +38,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
 /// Studies the camera rays of a scene.
 fn of_scene(args: &StudyArgs, mut scene: Baked, files: Files) -> Result<Outcome, Failure> {
     scene.settings.arc_tolerance = args.arc_tolerance.or(scene.settings.arc_tolerance);
-    let settings = Setting::grid(
+    let settings = Way::grid(
         &distinct_or(&args.steppers, StepperKind::value_variants()),
         &distinct(&args.precisions),
         &distinct_or(&args.tolerances, &TOLERANCES),

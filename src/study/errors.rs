@@ -15,7 +15,15 @@ pub struct Spread {
     pub max: f64,
 }
 
+/// A value of a spread, and its name.
+pub type Part = (&'static str, fn(&Spread) -> f64);
+
 impl Spread {
+    pub(super) const RMSE: Part = ("rmse", |spread| spread.rmse);
+    pub(super) const MEDIAN: Part = ("median", |spread| spread.median);
+    pub(super) const P99: Part = ("p99", |spread| spread.p99);
+    pub(super) const MAX: Part = ("max", |spread| spread.max);
+
     /// The spread of `values`; `None` if there are none.
     pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_by(f64::total_cmp);

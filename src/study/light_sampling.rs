@@ -76,7 +76,7 @@ struct Gain {
 
 /// A way with all its numbers of samples.
 #[derive(Clone, Debug, PartialEq)]
-struct Way {
+struct Technique {
     /// Which one.
     way: LightSampling,
     /// By samples per pixel, as in the plan.
@@ -87,7 +87,7 @@ struct Way {
 
 /// One picture, measured.
 #[derive(Clone, Copy)]
-pub struct Shot {
+pub struct Picture {
     seconds: f64,
     mse: f64,
     relmse: f64,
@@ -133,15 +133,15 @@ impl<'a> LightStudy<'a> {
         Self { plan, settings, renders, reference, stacks }
     }
 
-    /// Sums up the shots of each setting, way by way.
-    fn ways(&self, shots: &[Vec<Shot>]) -> Vec<Way> {
+    /// Sums up the pictures of each setting, way by way.
+    fn ways(&self, pictures: &[Vec<Picture>]) -> Vec<Technique> {
         let Plan { ways, spps, .. } = &self.plan;
         let of_way = |way: usize| (0..spps.len()).map(move |spp| spp * ways.len() + way);
-        let costs = |way: usize, error: fn(&Shot) -> f64| -> Vec<Vec<f64>> {
-            let cost = |shot: &Shot| error(shot) * shot.seconds;
-            of_way(way).map(|index| shots[index].iter().map(cost).collect()).collect()
+        let costs = |way: usize, error: fn(&Picture) -> f64| -> Vec<Vec<f64>> {
+            let cost = |picture: &Picture| error(picture) * picture.seconds;
+            of_way(way).map(|index| pictures[index].iter().map(cost).collect()).collect()
         };
-        let errors: [fn(&Shot) -> f64; 2] = [|shot| shot.mse, |shot| shot.relmse];
+        let errors: [fn(&Picture) -> f64; 2] = [|picture| picture.mse, |picture| picture.relmse];
         let off = ways.iter().position(|&way| way == LightSampling::Off);
         let without = errors.map(|error| off.and_then(|off| medians(&costs(off, error))));
         let measured = ways.iter().enumerate().map(|(place, &way)| {
@@ -149,10 +149,10 @@ impl<'a> LightStudy<'a> {
                 [0, 1].map(|kind: usize| Gains::of(&costs(place, errors[kind]), without[kind].as_deref()));
             let measurement = |(spp, index): (usize, usize)| Measurement {
                 gain: Gain { absolute: absolute.single[spp], relative: relative.single[spp] },
-                mean: self.stacks[index].mean_over(&shots[index], &self.reference),
-                ..Measurement::of(way, spps[spp], &shots[index])
+                mean: self.stacks[index].mean_over(&pictures[index], &self.reference),
+                ..Measurement::of(way, spps[spp], &pictures[index])
             };
-            Way {
+            Technique {
                 way,
                 measurements: of_way(place).enumerate().map(measurement).collect(),
                 gain: Gain { absolute: absolute.median, relative: relative.median },
@@ -163,7 +163,7 @@ impl<'a> LightStudy<'a> {
 }
 
 impl Study for LightStudy<'_> {
-    type Sample = Shot;
+    type Sample = Picture;
     type Findings = Report;
     type Error = Mismatch;
 
@@ -171,19 +171,14 @@ impl Study for LightStudy<'_> {
         self.settings.len()
     }
 
-    /// Nothing to warm up: the reference was rendered before.
-    fn prepare(&mut self, _: usize) -> Result<(), Mismatch> {
-        Ok(())
-    }
-
-    fn measure(&mut self, setting: usize) -> Result<Shot, Mismatch> {
+    fn measure(&mut self, setting: usize) -> Result<Picture, Mismatch> {
         let (way, spp) = self.settings[setting];
         let (image, seconds) = self.renders.render(way, spp);
         self.stacks[setting].add(&image);
-        Shot::of(&image, seconds, &self.reference)
+        Picture::of(&image, seconds, &self.reference)
     }
 
-    fn conclude(self, samples: Vec<Vec<Shot>>) -> Report {
+    fn conclude(self, samples: Vec<Vec<Picture>>) -> Report {
         let ways = self.ways(&samples);
         Report { text: text(&ways), table: table(&ways), figure: figure(&ways) }
     }
@@ -218,15 +213,15 @@ impl Gains {
 
 impl Measurement {
     /// All but the mean and the gain.
-    fn of(way: LightSampling, spp: u32, shots: &[Shot]) -> Self {
-        let all = |value: fn(&Shot) -> f64| shots.iter().map(value).collect::<Vec<f64>>();
+    fn of(way: LightSampling, spp: u32, pictures: &[Picture]) -> Self {
+        let all = |value: fn(&Picture) -> f64| pictures.iter().map(value).collect::<Vec<f64>>();
         Self {
             way,
             spp,
-            seconds: median(shots, |shot| shot.seconds),
-            mse: Estimate::mean(&all(|shot| shot.mse)),
-            relmse: Estimate::mean(&all(|shot| shot.relmse)),
-            p999: Estimate::mean(&all(|shot| shot.p999)).value,
+            seconds: median(pictures, |picture| picture.seconds),
+            mse: Estimate::mean(&all(|picture| picture.mse)),
+            relmse: Estimate::mean(&all(|picture| picture.relmse)),
+            p999: Estimate::mean(&all(|picture| picture.p999)).value,
             mean: None,
             gain: Gain { absolute: None, relative: None },
         }
@@ -243,7 +238,7 @@ impl Measurement {
     }
 }
 
-impl Shot {
+impl Picture {
     fn of(image: &Image, seconds: f64, reference: &Reference) -> Result<Self, Mismatch> {
         let pair = Pair::new(("the picture", image), ("the reference", &reference.image))?;
         let beauty = pair.compare().beauty.measures;
@@ -286,16 +281,16 @@ impl Stack {
     }
 
     /// Mean of the pictures over that of the reference; its error is that of pixels which are independent.
-    fn mean_over(&self, shots: &[Shot], reference: &Reference) -> Option<Estimate> {
+    fn mean_over(&self, pictures: &[Picture], reference: &Reference) -> Option<Estimate> {
         let colors = ["R", "G", "B"].map(|name| reference.image.plane(name).unwrap_or_default());
         let finite = colors.iter().flat_map(|plane| plane.iter()).filter(|value| value.is_finite());
         let (sum, count) = finite.fold((0.0, 0), |(sum, count), &v| (sum + f64::from(v), count + 1));
         let expected = sum / f64::from(count);
-        let mean = Estimate::mean(&shots.iter().map(|shot| shot.mean).collect::<Vec<f64>>()).value;
+        let mean = Estimate::mean(&pictures.iter().map(|picture| picture.mean).collect::<Vec<f64>>()).value;
         let ratio = mean / expected;
         let noise = reference.noise.unwrap_or_default();
         let error = self
-            .variance_of_mean(shots.len() as f64)
+            .variance_of_mean(pictures.len() as f64)
             .map(|variance| (variance + ratio * ratio * noise.mean).sqrt() / expected.abs());
         ratio.is_finite().then_some(Estimate { value: ratio, error })
     }
@@ -367,7 +362,7 @@ fn seed(image: &Image) -> Option<u64> {
 }
 
 /// All measurements, and what each way gains, as two tables.
-fn text(ways: &[Way]) -> String {
+fn text(ways: &[Technique]) -> String {
     let gains = |row: Row, prefix: &str, gain: &Gain| {
         row.cell(format!("{prefix}gain"), with_error(gain.absolute))
             .cell(format!("{prefix}relative gain"), with_error(gain.relative))
@@ -384,15 +379,16 @@ fn text(ways: &[Way]) -> String {
             .cell("1/(MSE s)", scientific(m.efficiency(), 2));
         gains(row, "", &m.gain)
     };
-    let of_way =
-        |way: &Way| gains(Row::default().cell("light sampling", flag_name(way.way)), "median ", &way.gain);
+    let of_way = |way: &Technique| {
+        gains(Row::default().cell("light sampling", flag_name(way.way)), "median ", &way.gain)
+    };
     let all = Table::of(ways.iter().flat_map(|way| &way.measurements).map(row));
     format!("{}\n{}", all.markdown(), Table::of(ways.iter().map(of_way)).markdown())
 }
 
 /// All measurements, for programs.
-fn table(ways: &[Way]) -> Table {
-    let row = |way: &Way, m: &Measurement| {
+fn table(ways: &[Technique]) -> Table {
+    let row = |way: &Technique, m: &Measurement| {
         Row::default()
             .cell("light_sampling", flag_name(m.way))
             .cell("spp", m.spp)
@@ -412,10 +408,10 @@ fn table(ways: &[Way]) -> Table {
 }
 
 /// Error over time and over samples, a curve for each way.
-fn figure(ways: &[Way]) -> Figure {
+fn figure(ways: &[Technique]) -> Figure {
     let chart = |title: &str, label: &str, x: fn(&Measurement) -> f64| {
         let point = |m: &Measurement| m.rmse().map(|rmse| [x(m), rmse]);
-        let series = |way: &Way| Series {
+        let series = |way: &Technique| Series {
             name: flag_name(way.way),
             style: style_of(&way.way),
             curves: vec![way.measurements.iter().filter_map(point).collect()],

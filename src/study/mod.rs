@@ -12,7 +12,6 @@ pub mod estimate;
 mod fan;
 pub mod forecast;
 pub mod free;
-pub(crate) mod grid;
 pub(crate) mod light_sampling;
 pub mod noise;
 mod pareto;
@@ -23,6 +22,7 @@ pub(crate) mod rounds;
 pub(crate) mod table;
 pub(crate) mod table_rays;
 mod trade_off;
+pub(crate) mod way;
 pub mod window;
 
 pub use fan::{Fan, FanError, FanOptions};

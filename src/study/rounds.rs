@@ -19,7 +19,9 @@ pub trait Study {
     ///
     /// # Errors
     /// If the setting cannot be measured.
-    fn prepare(&mut self, setting: usize) -> Result<(), Self::Error>;
+    fn prepare(&mut self, _setting: usize) -> Result<(), Self::Error> {
+        Ok(())
+    }
 
     /// Measures a setting once.
     ///

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::errors::{Part, Spread};
 use super::estimate::Estimate;
 
 /// What stands in a printed cell without a value.
@@ -23,6 +24,14 @@ impl Row {
     #[must_use]
     pub fn maybe(self, column: impl Into<String>, cell: Option<impl ToString>) -> Self {
         self.cell(column, cell.map_or_else(String::new, |cell| cell.to_string()))
+    }
+
+    /// Adds cells for some `parts` of a spread, empty without one.
+    #[must_use]
+    pub fn spread(self, column: &str, spread: Option<Spread>, parts: [Part; 3]) -> Self {
+        parts.into_iter().fold(self, |row, (name, value)| {
+            row.maybe(format!("{column}_{name}"), spread.as_ref().map(value))
+        })
     }
 
     /// Adds a cell for a value and one for its standard error.

@@ -13,9 +13,10 @@ use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
 use super::report::Report;
 use super::rounds::Study;
 use super::table::{NONE, Row, percent, scientific};
-use super::trade_off::{self, Curve, TradeOff, broad, over_front, through};
+use super::trade_off::{self, TradeOff, broad, over_front, through};
+use super::way::Way;
 use crate::plot::{Chart, Figure};
-use crate::scene::{Precision, StepperKind, flag_name};
+use crate::scene::{Precision, StepperKind};
 use crate::spacetime::SpacetimeKind;
 
 /// A ray, and how it ends.
@@ -263,13 +264,14 @@ impl TradeOff for Measurement {
         [self.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.p99), self.ns_per_ray]
     }
 
+    fn way(&self) -> Way {
+        self.setting.into()
+    }
+
     fn printed(&self, row: Row) -> Row {
-        let Self { setting, errors, .. } = self;
+        let errors = &self.errors;
         let honest = |text: fn(Honesty) -> String| errors.honesty.map_or(NONE.to_owned(), text);
-        row.cell("stepper", flag_name(setting.stepper))
-            .cell("precision", flag_name(setting.precision))
-            .cell("tolerance", format!("{:e}", setting.tolerance))
-            .cell("median/sens", scientific(errors.direction_over_sens.map(|spread| spread.median), 1))
+        row.cell("median/sens", scientific(errors.direction_over_sens.map(|spread| spread.median), 1))
             .cell("99 %/sens", scientific(errors.direction_over_sens.map(|spread| spread.p99), 1))
             .cell("max/sens", scientific(errors.direction_over_sens.map(|spread| spread.max), 1))
             .cell("above tolerance", honest(|honesty| percent(honesty.above)))
@@ -279,28 +281,17 @@ impl TradeOff for Measurement {
             .cell("steps/ray", format!("{:.2}", self.steps_per_ray))
     }
 
-    fn row(&self) -> Row {
-        let Self { setting, errors, .. } = self;
-        let mut row = Row::default()
-            .cell("stepper", flag_name(setting.stepper))
-            .cell("precision", flag_name(setting.precision))
-            .cell("tolerance", setting.tolerance)
-            .cell("rays", errors.rays)
+    fn row(&self, row: Row) -> Row {
+        let errors = &self.errors;
+        let parts = [Spread::MEDIAN, Spread::P99, Spread::MAX];
+        row.cell("rays", errors.rays)
             .cell("compared", errors.compared)
-            .cell("differ", errors.differ);
-        let spreads = [
-            ("direction", errors.direction),
-            ("direction_over_sens", errors.direction_over_sens),
-            ("position", errors.position),
-            ("position_over_sens", errors.position_over_sens),
-        ];
-        for (name, spread) in spreads {
-            row = row
-                .maybe(format!("{name}_median"), spread.map(|spread| spread.median))
-                .maybe(format!("{name}_p99"), spread.map(|spread| spread.p99))
-                .maybe(format!("{name}_max"), spread.map(|spread| spread.max));
-        }
-        row.maybe("above_tolerance", errors.honesty.map(|honesty| honesty.above))
+            .cell("differ", errors.differ)
+            .spread("direction", errors.direction, parts)
+            .spread("direction_over_sens", errors.direction_over_sens, parts)
+            .spread("position", errors.position, parts)
+            .spread("position_over_sens", errors.position_over_sens, parts)
+            .maybe("above_tolerance", errors.honesty.map(|honesty| honesty.above))
             .maybe("worst_over_tolerance", errors.honesty.map(|honesty| honesty.worst))
             .cell("ns_per_ray", self.ns_per_ray)
             .cell("steps_per_ray", self.steps_per_ray)
@@ -308,9 +299,8 @@ impl TradeOff for Measurement {
 
     /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the tolerance.
     fn figure(all: &[Self]) -> Figure {
-        let at = |place: &dyn Fn(&Measurement) -> [f64; 2]| -> Vec<(Curve, [f64; 2])> {
-            let curve = |Accuracy { stepper, precision, .. }| Curve { stepper, precision, schedule: None };
-            all.iter().map(|m| (curve(m.setting), place(m))).collect()
+        let at = |place: &dyn Fn(&Self) -> [f64; 2]| -> Vec<(Way, [f64; 2])> {
+            all.iter().map(|m| (m.way(), place(m))).collect()
         };
         let error = "angle at the end / sens (radians)";
         let largest = |m: &Measurement| m.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.max);

@@ -3,20 +3,23 @@
 use super::pareto::front;
 use super::report::Report;
 use super::table::{Row, Table};
+use super::way::Way;
 use crate::plot::{Chart, Color, Figure, Series, Style};
-use crate::scene::{Precision, Schedule, StepperKind, flag_name};
+use crate::scene::{Precision, flag_name};
 
 /// Width of the line behind curves, points.
 const BROAD: f64 = 12.0;
 
 /// A measurement of cost and error.
 pub(super) trait TradeOff: Sized {
+    /// The way that was measured.
+    fn way(&self) -> Way;
     /// Error and cost that the front is judged by.
     fn place(&self) -> [f64; 2];
-    /// Adds the cells that people read.
+    /// Adds the cells that people read, after those of the way.
     fn printed(&self, row: Row) -> Row;
-    /// The cells that programs read.
-    fn row(&self) -> Row;
+    /// Adds the cells that programs read.
+    fn row(&self, row: Row) -> Row;
     /// Diagrams of all measurements.
     fn figure(all: &[Self]) -> Figure;
 }
@@ -25,32 +28,15 @@ pub(super) trait TradeOff: Sized {
 pub(super) fn report<M: TradeOff>(measurements: &[M]) -> Report {
     let on_front = front(&measurements.iter().map(M::place).collect::<Vec<_>>());
     let rows = || measurements.iter().zip(&on_front);
-    let mark = |on_front: bool| if on_front { "*" } else { "" };
+    let printed = |(m, on): (&M, &bool)| {
+        let row = Row::default().cell("front", if *on { "*" } else { "" });
+        m.printed(m.way().printed(row))
+    };
+    let row = |(m, on): (&M, &bool)| m.row(m.way().row(Row::default())).cell("pareto", u8::from(*on));
     Report {
-        text: Table::of(rows().map(|(m, on)| m.printed(Row::default().cell("front", mark(*on))))).markdown(),
-        table: Table::of(rows().map(|(m, on)| m.row().cell("pareto", u8::from(*on)))),
+        text: Table::of(rows().map(printed)).markdown(),
+        table: Table::of(rows().map(row)),
         figure: M::figure(measurements),
-    }
-}
-
-/// What a curve is of.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) struct Curve {
-    pub(super) stepper: StepperKind,
-    pub(super) precision: Precision,
-    /// None where all curves have the same.
-    pub(super) schedule: Option<Schedule>,
-}
-
-impl Curve {
-    fn name(self) -> String {
-        let precision = match self.precision {
-            Precision::F32 => " f32",
-            Precision::F64 => "",
-        };
-        let schedule =
-            self.schedule.map_or_else(String::new, |schedule| format!(", {}", flag_name(schedule)));
-        format!("{}{precision}{schedule}", flag_name(self.stepper))
     }
 }
 
@@ -59,7 +45,7 @@ pub(super) fn over_front(
     title: &str,
     labels: [&str; 2],
     size: [f64; 2],
-    points: &[(Curve, [f64; 2])],
+    points: &[(Way, [f64; 2])],
 ) -> Chart {
     let places: Vec<[f64; 2]> = points.iter().map(|(_, place)| *place).collect();
     let best = places.iter().zip(front(&places)).filter(|(_, on_front)| *on_front).map(|(place, _)| *place);
@@ -72,28 +58,36 @@ pub(super) fn broad(name: &str, mut points: Vec<[f64; 2]>) -> Series {
     Series { name: name.to_owned(), style: Style::line(Color::PALE, BROAD), curves: vec![points] }
 }
 
-/// The curves through `points`; dashed ones are single precision.
-pub(super) fn through(points: &[(Curve, [f64; 2])]) -> Vec<Series> {
+/// A curve for each way but for tolerances through `points`; dashed ones are single precision.
+pub(super) fn through(points: &[(Way, [f64; 2])]) -> Vec<Series> {
+    let schedules = points.iter().any(|(way, _)| way.schedule != points[0].0.schedule);
     let mut series: Vec<Series> = Vec::new();
     // Both precisions of a stepper look alike but for the line.
     let (mut curves, mut pairs) = (Vec::new(), Vec::new());
-    for &(curve, place) in points {
+    for &(way, place) in points {
+        let curve = Way { tolerance: None, ..way };
         let index = position(&mut curves, curve);
         if index == series.len() {
             let dashed = curve.precision == Precision::F32;
-            let pair = position(&mut pairs, Curve { precision: Precision::F64, ..curve });
-            let style = Style { dashed, ..Style::nth(pair) };
-            series.push(Series { name: curve.name(), style, curves: vec![Vec::new()] });
+            let pair = position(&mut pairs, Way { precision: Precision::F64, ..curve });
+            let schedule =
+                curve.schedule.filter(|_| schedules).map(|schedule| format!(", {}", flag_name(schedule)));
+            let single = if dashed { " f32" } else { "" };
+            series.push(Series {
+                name: format!("{}{single}{}", flag_name(curve.stepper), schedule.unwrap_or_default()),
+                style: Style { dashed, ..Style::nth(pair) },
+                curves: vec![Vec::new()],
+            });
         }
         series[index].curves[0].push(place);
     }
     series
 }
 
-/// Where `curve` is among `known`, to which it is added if it is not.
-fn position(known: &mut Vec<Curve>, curve: Curve) -> usize {
-    known.iter().position(|&other| other == curve).unwrap_or_else(|| {
-        known.push(curve);
+/// Where `way` is among `known`, to which it is added if it is not.
+fn position(known: &mut Vec<Way>, way: Way) -> usize {
+    known.iter().position(|&other| other == way).unwrap_or_else(|| {
+        known.push(way);
         known.len() - 1
     })
 }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::point::Point;
 use super::room::room;
 use crate::scene::{Baked, Precision, StepperKind};
-use crate::study::grid::tolerances_for;
+use crate::study::way::tolerances_for;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -38,7 +38,7 @@ fn race(place: &Folder, flags: &[&str]) -> (Vec<Row>, Value, String) {
     for file in ["out.csv", "out.json", "out.svg", "out.png"] {
         assert!(stderr(&output).contains(file), "{}", stderr(&output));
     }
-    let json = serde_json::from_str(&fs::read_to_string(place.path("out.json")).unwrap()).unwrap();
+    let json = serde_json::from_str(&place.read("out.json")).unwrap();
     (place.rows("out.csv"), json, stdout(&output))
 }
 
@@ -114,7 +114,7 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
     for part in [" generate | ", " learn | ", " rest | ", "lanes in use"] {
         assert!(text.contains(part), "{text}\nlacks {part}");
     }
-    let svg = fs::read_to_string(place.path("out.svg")).unwrap();
+    let svg = place.read("out.svg");
     for part in ["scatter", "per-pixel", "thread time per camera path (µs)", "round"] {
         assert!(svg.contains(part), "{part} is missing");
     }
@@ -157,7 +157,7 @@ fn sweeps_measure_the_values_asked_for() {
     assert_eq!((grows("batch", |c| c.0), grows("threads", |c| c.1)), (1.0, 1.0));
     assert!(grows("pixels", |c| c.0) > 2.0 && grows("spp", |c| c.0) > 2.0 && grows("depth", |c| c.0) > 1.2);
     assert!(grows("tolerance", |c| c.1) > 1.2 && grows("radius", |c| c.1) != 1.0);
-    let svg = fs::read_to_string(place.path("out.svg")).unwrap();
+    let svg = place.read("out.svg");
     for part in ["triangles", "time (s)", "per-pixel", "thread time per camera path (µs)"] {
         assert!(svg.contains(part), "{part} is missing");
     }

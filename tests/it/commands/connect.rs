@@ -1,11 +1,9 @@
 //! `warpfront connect` as a user meets it: every row of an exact table, the files, messages and exit codes.
 
-use std::fs;
-use std::path::PathBuf;
 use std::process::Output;
 
 use crate::support::command::{Folder, assert_code, assert_refused, stderr};
-use crate::support::{Row, table};
+use crate::support::{Row, data, table};
 
 /// The table of exact connections.
 const EXACT: &str = "schwarzschild_connections.csv";
@@ -21,8 +19,7 @@ fn folder(text: &str) -> Folder {
 
 /// With the exact table in `pairs.csv`.
 fn exact_pairs() -> Folder {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(EXACT);
-    folder(&fs::read_to_string(path).unwrap())
+    folder(&data(EXACT))
 }
 
 /// Runs `connect` on `pairs.csv`.
@@ -33,7 +30,7 @@ fn connect(place: &Folder, flags: &[&str]) -> Output {
 /// The rows that `connect` writes.
 fn connected(place: &Folder, flags: &[&str]) -> Vec<Row> {
     assert_code(&connect(place, &[&["-o", "out.csv"], flags].concat()), 0);
-    table(place.path("out.csv").to_str().unwrap())
+    place.rows("out.csv")
 }
 
 /// Relative error, or absolute below 1.
@@ -87,7 +84,7 @@ fn the_table_has_the_columns_of_the_exact_one_below_the_settings() {
         comment.starts_with("# warpfront ") && comment.ends_with(" connect --max-winding 1"),
         "{comment}"
     );
-    assert!(table(place.path("out.csv").to_str().unwrap()).iter().all(|row| row.number("winding") <= 1.0));
+    assert!(place.rows("out.csv").iter().all(|row| row.number("winding") <= 1.0));
 }
 
 #[test]

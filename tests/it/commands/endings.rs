@@ -111,7 +111,7 @@ fn a_picture_without_any_sample_replaces_nothing_and_is_no_success() {
         let output = render(&place, &["--time-limit", "50ms", "--schedule", schedule]);
         assert_code(&output, 1);
         assert!(stderr(&output).contains("error: the time limit was over before any pixel had a sample"));
-        assert_eq!(fs::read_to_string(place.path("out.exr")).unwrap(), "yesterday");
+        assert_eq!(place.read("out.exr"), "yesterday");
         assert_eq!(place.files_but("scene.toml"), ["out.exr"]);
     }
 }
@@ -238,7 +238,7 @@ fn an_interruption_before_there_is_a_picture_ends_the_process_at_once_and_keeps_
     signal(&child, "-TERM");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.signal(), Some(15), "{}", stderr(&output));
-    assert_eq!(fs::read_to_string(place.path("out.exr")).unwrap(), "yesterday");
+    assert_eq!(place.read("out.exr"), "yesterday");
     assert_eq!(place.files_but("scene.toml"), ["out.exr"]);
 }
 

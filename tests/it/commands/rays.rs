@@ -36,7 +36,7 @@ fn draw(place: &Folder, output: &str, flags: &[&str]) -> Output {
 fn points(place: &Folder, flags: &[&str]) -> BTreeMap<u32, (Vec<DVec3>, String)> {
     let output = draw(place, "rays.csv", flags);
     assert_good(&output);
-    let text = fs::read_to_string(place.path("rays.csv")).unwrap();
+    let text = place.read("rays.csv");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some("ray,point,x,y,z,fate"));
     let mut rays: BTreeMap<u32, (Vec<DVec3>, String)> = BTreeMap::new();
@@ -160,7 +160,7 @@ fn empty_space_is_drawn_too() {
 fn pictures_show_rays_hole_and_what_the_plane_cuts() {
     let place = folder();
     assert_good(&draw(&place, "rays.svg", &[]));
-    let svg = fs::read_to_string(place.path("rays.svg")).unwrap();
+    let svg = place.read("rays.svg");
     for part in
         ["<svg", "captured (", "hit (", "photon sphere", "horizon", "geometry", "scene units", "</svg>"]
     {

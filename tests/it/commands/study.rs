@@ -4,8 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Output;
 
-use crate::support::Row;
 use crate::support::command::{Folder, assert_good, assert_refused, stderr, stdout};
+use crate::support::{Row, data};
 
 /// A hole of r_s = 1 between the camera and a wall.
 const SCENE: &str = "
@@ -90,7 +90,7 @@ fn all_steppers_are_studied_and_the_one_without_tolerance_once() {
             .all(|row| row.text("tolerance").is_empty())
     );
     assert!(table.contains("rk4-paper") && table.contains("per-pixel"), "{table}");
-    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    let svg = place.read("study.svg");
     for part in [
         "rkn6, wavefront",
         "rkn6 f32, per-pixel",
@@ -142,7 +142,7 @@ fn every_stepper_has_a_curve_per_precision_and_the_papers_one_point() {
     );
     assert!(p99(2) < 3.0 * p99(0) + 1e-4, "{rows:?}");
     assert!(table.contains("precision") && table.contains("f32"), "{table}");
-    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    let svg = place.read("study.svg");
     assert!(svg.contains(">rkn6<") && svg.contains(">rkn6 f32<") && svg.contains("stroke-dasharray"));
     let (rows, _) = scene_rows(&place, &[&steppers[..], &["--precisions", "f32"]].concat());
     assert_eq!(rows.iter().filter(|row| row.text("precision") == "f32").count(), 3);
@@ -153,8 +153,7 @@ const RAYS: &str =
     "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n1,10,3,0,-1,0,0,50\n1,10,0,0,1,0,0,50\n1,10,0,0,-1,0,0,50\n";
 
 fn exact_rays() -> String {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/schwarzschild_rays.csv");
-    fs::read_to_string(path).unwrap()
+    data("schwarzschild_rays.csv")
 }
 
 #[test]
@@ -186,7 +185,7 @@ fn the_tolerance_holds_on_every_exact_ray() {
     let marked = table.lines().filter(|line| line.contains('*')).count();
     let on_front = rows.iter().filter(|row| row.text("pareto") == "1").count();
     assert!(marked == on_front && on_front > 0 && table.lines().count() == 8, "{table}");
-    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    let svg = place.read("study.svg");
     for part in ["rkn6", "dop853", "Pareto front", "angle at the end / sens (radians)", "time per ray (ns)"] {
         assert!(svg.contains(part), "{part} is missing");
     }
@@ -373,7 +372,7 @@ fn light_sampling_has_a_row_per_way_and_number_of_samples() {
     assert!((rows[0].number("median_gain") - 1.0).abs() < 1e-9, "{:?}", rows[0]);
     // Two tables with two lines above their rows, and a line between them.
     assert_eq!(table.lines().count(), 2 + 6 + 1 + 2 + 3, "{table}");
-    let svg = fs::read_to_string(place.path("study.svg")).unwrap();
+    let svg = place.read("study.svg");
     for part in [">off<", ">straight<", ">geodesic<", "time (s)", "samples per pixel", "RMSE (radiance)"] {
         assert!(svg.contains(part), "{part} is missing");
     }

@@ -1,11 +1,10 @@
 //! `warpfront trace` as a user meets it: exact end states at every preset, the files, messages and exit codes.
 
 use std::fs;
-use std::path::PathBuf;
 use std::process::{Output, Stdio};
 
 use crate::support::command::{Folder, assert_code, assert_refused, stderr};
-use crate::support::{Row, orbit_steppers, table};
+use crate::support::{Row, data, orbit_steppers, table};
 
 /// Columns of rays around a hole.
 const HEADER: &str = "rs,x0,y0,z0,dx0,dy0,dz0,r_out\n";
@@ -23,8 +22,7 @@ fn folder(text: &str) -> Folder {
 
 /// With the exact table in `rays.csv`.
 fn exact_rays() -> Folder {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/schwarzschild_rays.csv");
-    folder(&fs::read_to_string(path).unwrap())
+    folder(&data("schwarzschild_rays.csv"))
 }
 
 /// Runs `trace` on `rays.csv` around a hole.
@@ -35,7 +33,7 @@ fn trace(place: &Folder, flags: &[&str]) -> Output {
 /// The rows that `trace` writes.
 fn traced(place: &Folder, flags: &[&str]) -> Vec<Row> {
     assert_code(&trace(place, &[&["-o", "out.csv"], flags].concat()), 0);
-    table(place.path("out.csv").to_str().unwrap())
+    place.rows("out.csv")
 }
 
 /// Error of the end relative to what is allowed, over all rows, each within `tolerance` times its conditioning; closer
@@ -200,7 +198,7 @@ fn flat_space_needs_no_radius_and_takes_no_notice_of_one() {
     assert_code(&output, 0);
     let text = place.read("out.csv");
     assert!(text.contains("\nid,kind,x0,y0,z0,dx0,dy0,dz0,r_out,status,"));
-    for row in table(place.path("out.csv").to_str().unwrap()) {
+    for row in place.rows("out.csv") {
         if row.text("status") == "escaped" {
             let start = row.vector(["x0", "y0", "z0"]);
             let direction = row.vector(["dx0", "dy0", "dz0"]).normalize();
