@@ -79,10 +79,7 @@ fn every_exact_ray_ends_where_it_should_at_every_preset() {
 
 #[test]
 fn a_table_of_rays_around_charged_holes_has_the_mass_as_its_unit() {
-    let text = fs::read_to_string(
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/reissner_nordstrom_rays.csv"),
-    );
-    let place = folder(&text.unwrap());
+    let place = folder(&data("reissner_nordstrom_rays.csv"));
     let flags = ["trace", "--spacetime", "reissner-nordstrom", "rays.csv", "-o", "out.csv"];
     assert_code(&place.run(&flags), 0);
     let (found, exact) = (place.rows("out.csv"), table("reissner_nordstrom_rays.csv"));
