@@ -1,4 +1,5 @@
-//! Text of files in messages: control characters are shown, not sent to the terminal, and long lines are cut.
+//! Text in messages: control characters of files are shown, not sent to the terminal, long lines are cut, and bytes are
+//! counted in binary multiples.
 
 use std::borrow::Cow;
 
@@ -6,6 +7,16 @@ use std::borrow::Cow;
 const QUOTED: usize = 200;
 /// Most characters of a line of a message.
 const LINE: usize = 900;
+
+/// Binary multiple of a byte: `1.50 GiB`.
+pub fn bytes(count: u64) -> String {
+    const PREFIXES: [&str; 7] = ["", "Ki", "Mi", "Gi", "Ti", "Pi", "Ei"];
+    let power = count.checked_ilog2().unwrap_or(0) / 10;
+    if power == 0 {
+        return format!("{count} B");
+    }
+    format!("{:.2} {}B", count as f64 / (1u64 << (10 * power)) as f64, PREFIXES[power as usize])
+}
 
 /// A name, a path or a statement as a message quotes it: one line of at most 200 characters.
 pub fn quoted(text: &str) -> Cow<'_, str> {
@@ -38,19 +49,6 @@ pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
     Cow::Owned(start.chars().take(side).chain(std::iter::once('…')).chain(end.iter().copied()).collect())
 }
 
-/// JSON with the control characters that JSON itself lets pass written as escapes.
-pub fn json(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '\n' => escaped.push(c),
-            c if is_control(c) => escaped.push_str(&format!("\\u{:04x}", u32::from(c))),
-            c => escaped.push(c),
-        }
-    }
-    escaped
-}
-
 /// A character as it is shown.
 pub fn shown(c: char) -> impl Iterator<Item = char> {
     let escaped = is_control(c).then(|| c.escape_default());
@@ -61,7 +59,7 @@ pub fn shown(c: char) -> impl Iterator<Item = char> {
 /// Whether a character moves the cursor, ends a line, changes the direction of writing or commands a terminal.
 ///
 /// All of them are below U+10000.
-fn is_control(c: char) -> bool {
+pub fn is_control(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
@@ -77,7 +75,6 @@ mod tests {
         assert_eq!(line("\u{9b}1m \u{7f} \u{202e}txt \u{2028}"), "\\u{9b}1m \\u{7f} \\u{202e}txt \\u{2028}");
         assert_eq!(line("Café – 黒い穴 \u{1f573}"), "Café – 黒い穴 \u{1f573}");
         assert_eq!(lines("a\u{1b}\nb"), "a\\u{1b}\nb");
-        assert_eq!(json("\"\u{9b}\u{7f}\"\n"), "\"\\u009b\\u007f\"\n");
     }
 
     #[test]

@@ -4,10 +4,11 @@ use std::fmt::Display;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use indicatif::BinaryBytes;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
 use super::error::Flaw;
+
+use crate::text::bytes;
 
 /// Less than this is not worth a question to the operating system.
 const SMALL: u64 = 1 << 20;
@@ -40,7 +41,7 @@ impl Memory {
     pub fn check(&self, what: impl Display, needed: u64) -> Result<(), Flaw> {
         match self.left() {
             Some(left) if needed > left.max(SMALL) => Err(Flaw::new(
-                format!("{what} needs {} of memory, and {} are left", BinaryBytes(needed), BinaryBytes(left)),
+                format!("{what} needs {} of memory, and {} are left", bytes(needed), bytes(left)),
                 "use a smaller one, free some memory, or allow more with --max-memory",
             )),
             _ => Ok(()),

@@ -14,13 +14,14 @@ use super::memory;
 use super::outcome::Outcome;
 use super::say::{print, print_json, shown};
 use super::stages::{self, Stage};
-use super::units::{bytes, plural, rounded};
+use super::units::{plural, rounded};
 use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
 use crate::spacetime::{ConformallyFlat, SpacetimeKind};
 use crate::study::forecast::Forecast;
+use crate::text::bytes;
 use crate::trace::{Run, probe};
 
 /// Significant digits of places and lengths: about what glTF's numbers hold.

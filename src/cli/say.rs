@@ -38,7 +38,7 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
 pub(super) fn print_json(record: &impl Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(record);
     let json = json.map_err(|error| Failure::new(format!("cannot express the result as JSON: {error}")))?;
-    write_stdout(&format!("{}\n", text::json(&json)))
+    write_stdout(&format!("{}\n", escaped(&json)))
 }
 
 /// A reader that has gone away, as `head` does, is no failure.
@@ -49,5 +49,28 @@ pub(super) fn write_stdout(text: &str) -> Result<(), Failure> {
             Err(Failure::new(format!("cannot write to standard output: {error}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// JSON with the control characters that JSON itself lets pass written as escapes.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\n' => escaped.push(c),
+            c if text::is_control(c) => escaped.push_str(&format!("\\u{:04x}", u32::from(c))),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_escaped_in_json() {
+        assert_eq!(escaped("\"\u{9b}\u{7f}\"\n"), "\"\\u009b\\u007f\"\n");
     }
 }

@@ -1,10 +1,5 @@
 //! Numbers for people.
 
-/// Binary multiples of a byte.
-pub(super) fn bytes(count: u64) -> String {
-    indicatif::BinaryBytes(count).to_string()
-}
-
 /// Three significant digits and a decimal multiple: `1.50 M`.
 pub(super) fn decimal(number: f64) -> String {
     let (value, prefix) = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")]

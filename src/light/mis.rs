@@ -5,7 +5,8 @@
 use serde::{Deserialize, Serialize};
 
 /// How light that two densities can find is shared between them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Heuristic {
     /// In proportion to the densities.

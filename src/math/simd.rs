@@ -2,10 +2,9 @@
 
 use std::sync::OnceLock;
 
-use clap::ValueEnum;
-
 /// Widest vector instructions that kernels may use; no choice changes a bit of any result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum SimdLevel {
     /// The widest that the machine has
     Auto,

@@ -13,10 +13,10 @@ mod svg;
 use std::io::{self, Write};
 use std::path::Path;
 
-pub use axis::{Axis, Scale};
+pub use axis::Axis;
 pub use chart::{Chart, Series};
 pub use figure::Figure;
-pub use style::{Color, Marker, Style};
+pub use style::{Color, Style};
 
 /// How a figure is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,9 @@
 //! The tables that the tracer reads: a scene with every entity dissolved.
 
+use glam::DVec3;
+
 use super::{Camera, Settings};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Primitives};
 use crate::light::Punctual;
 use crate::shade::{Environment, Material};
 use crate::spacetime::SpacetimeKind;
@@ -37,10 +39,40 @@ impl Baked {
     /// Largest distance allowed between an arc and the true curve, scene units: as set, or a fraction of a pixel's
     /// footprint at the distance of the hole.
     pub fn arc_tolerance(&self) -> f64 {
+        self.arc_tolerance_around(self.spacetime.center().unwrap_or(self.camera.position))
+    }
+
+    /// Like [`Self::arc_tolerance`], with the hole at `center`.
+    pub fn arc_tolerance_around(&self, center: DVec3) -> f64 {
         let settings = &self.settings;
-        let center = self.spacetime.center().unwrap_or(self.camera.position);
         let pixel = 2.0 * self.camera.tan_half_fov / settings.height as f64;
         let footprint = pixel * self.camera.position.distance(center);
         settings.arc_tolerance.unwrap_or(PIXEL_FRACTION * settings.arc_tolerance_factor * footprint)
+    }
+}
+
+/// Empty flat space, seen along −Z from the origin: for scenes that are built in code.
+impl Default for Baked {
+    fn default() -> Self {
+        let camera = Camera {
+            position: DVec3::ZERO,
+            forward: DVec3::NEG_Z,
+            right: DVec3::X,
+            up: DVec3::Y,
+            tan_half_fov: 0.5,
+            near: 0.0,
+        };
+        Self {
+            spacetime: SpacetimeKind::Flat,
+            camera,
+            geometry: Geometry::build(Primitives::default()),
+            materials: Vec::new(),
+            entities: Vec::new(),
+            punctual: Vec::new(),
+            environment: Environment::Black,
+            settings: Settings::default(),
+            warnings: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 }

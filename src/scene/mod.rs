@@ -31,9 +31,11 @@ use glam::{DVec3, Vec3};
 pub use baked::Baked;
 pub use camera::Camera;
 pub use error::{Place, SceneError};
+#[cfg(feature = "cli")]
+pub use settings::flag_name;
 pub use settings::{
     Background, Filter, LightSampling, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Precision, SamplerKind, Schedule,
-    Settings, StepperKind, flag_name,
+    Settings, StepperKind,
 };
 
 use crate::asset::{AssetError, Files, Memory, load_image};

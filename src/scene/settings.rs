@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::light::Heuristic;
 
 /// Reconstruction filter, sampled (each sample counts for its own pixel only).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Filter {
     /// Tent of one pixel half-width.
@@ -15,7 +16,8 @@ pub enum Filter {
 }
 
 /// What the camera sees where a ray of it leaves to infinity without having met a surface, lensed or not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Background {
     /// The environment, with an alpha of 1; 0 if there is none.
@@ -25,7 +27,8 @@ pub enum Background {
 }
 
 /// How rays are advanced through curved space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum StepperKind {
     /// Nyström, order 6(4): fewest steps at everyday tolerances.
@@ -47,7 +50,8 @@ pub enum StepperKind {
 }
 
 /// The numbers that orbits are followed in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// Single: good to about 1e-5 radians; eight rays to a vector of 32 bytes.
@@ -57,7 +61,8 @@ pub enum Precision {
 }
 
 /// In which order the kernels run; both give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
     /// Structure-of-arrays batches of paths, one step of all rays at a time.
@@ -67,7 +72,8 @@ pub enum Schedule {
 }
 
 /// Source of random numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplerKind {
     /// Owen-scrambled Sobol' points, padded per bounce.
@@ -77,7 +83,8 @@ pub enum SamplerKind {
 }
 
 /// How lights are looked for, beside the rays that surfaces send out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum LightSampling {
     /// Not at all: only what rays run into counts.
@@ -175,6 +182,7 @@ impl Default for Settings {
 }
 
 /// The name under which a setting is given on the command line.
+#[cfg(feature = "cli")]
 pub fn flag_name(value: impl clap::ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }

@@ -19,6 +19,16 @@ pub fn with_render_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     with_transport_to(scene, f64::INFINITY, sky, errand)
 }
 
+/// Like [`with_render_transport`], in `medium` about `center` whatever the scene says of spacetime.
+pub fn with_medium<M: ConformallyFlat, E: Errand>(
+    scene: &Baked,
+    (center, medium): (DVec3, M),
+    errand: E,
+) -> E::Output {
+    let sky = !scene.environment.is_black();
+    Choice { scene, core: f64::INFINITY, sky, errand }.spherical(center, medium)
+}
+
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
 pub fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
     with_transport_to(scene, f64::INFINITY, true, errand)
@@ -78,7 +88,7 @@ impl<M: ConformallyFlat> Place<M> {
 
     /// Rays on orbits; `None` if the stepper knows none.
     fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
-        let arc_tolerance = scene.arc_tolerance();
+        let arc_tolerance = scene.arc_tolerance_around(self.center);
         let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         let outer = R::of(self.chart.outer);

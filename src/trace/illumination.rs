@@ -55,7 +55,7 @@ impl Illumination {
         let straight = settings.light_sampling == LightSampling::Straight;
         let sampler: Box<dyn LightSampler> =
             if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
-        let floor = if scene.spacetime.is_flat() { 0.0 } else { FLOOR };
+        let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
         let heuristic = (!straight).then_some(settings.heuristic);

@@ -4,9 +4,10 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use glam::DVec3;
 use rayon::prelude::*;
 
-use super::choice::with_render_transport;
+use super::choice::{with_medium, with_render_transport};
 use super::halt::Halt;
 use super::job::Job;
 use super::learn::learn_lights;
@@ -22,6 +23,7 @@ use super::work::{Lattice, Share, Work};
 use super::worker::Workers;
 use crate::film::{Aov, Image, Wanted};
 use crate::scene::{Baked, MAX_SPP};
+use crate::spacetime::ConformallyFlat;
 
 /// A render that stands between two passes.
 ///
@@ -69,16 +71,35 @@ impl<'a> Session<'a> {
         Self::with(scene, run, cancel, State::new(&scene.settings, run))
     }
 
+    /// Like [`Self::new`], in a spacetime of the caller's own about `center`, in place of the scene's.
+    pub fn around<M: ConformallyFlat>(
+        scene: &'a Baked,
+        medium: (DVec3, M),
+        run: &'a Run,
+        cancel: &'a AtomicBool,
+    ) -> Self {
+        let state = State::new(&scene.settings, run);
+        Self::open((scene, run, cancel), state, |opening| with_medium(scene, medium, opening))
+    }
+
     /// Goes on with a render of the same scene that was put away; `None` if `state` is of other pixels, planes or seed.
     pub fn resume(scene: &'a Baked, run: &'a Run, cancel: &'a AtomicBool, state: State) -> Option<Self> {
         state.belongs_to(&scene.settings, run).then(|| Self::with(scene, run, cancel, state))
     }
 
     fn with(scene: &'a Baked, run: &'a Run, cancel: &'a AtomicBool, state: State) -> Self {
+        Self::open((scene, run, cancel), state, |opening| with_render_transport(scene, opening))
+    }
+
+    fn open(
+        (scene, run, cancel): (&'a Baked, &'a Run, &'a AtomicBool),
+        state: State,
+        choose: impl FnOnce(Opening<'a>) -> Box<dyn Tracer + 'a> + Send,
+    ) -> Self {
         let started = Instant::now();
         let halt = Halt::new(cancel, run.time_limit);
         let threads = Threads::new(run.threads);
-        let tracer = threads.run(|| with_render_transport(scene, Opening { scene, run, halt }));
+        let tracer = threads.run(|| choose(Opening { scene, run, halt }));
         let learning = started.elapsed();
         Self { scene, run, threads, tracer, state, learning, spent: learning }
     }

@@ -68,6 +68,8 @@ impl Transport for Straight {
     type Carried = ();
     type Aim = light::Straight;
 
+    const IS_STRAIGHT: bool = true;
+
     fn aim(&self, _: u32) -> Option<light::Straight> {
         Some(light::Straight)
     }
