@@ -1,29 +1,11 @@
 //! Committing a step that met nothing: from its end to the start of the next.
 
-use super::{Curved, CurvedFlight, CurvedMove, Lane};
+use super::flight::{CurvedFlight, CurvedMove, Lane, Turn};
+use super::rays::Curved;
 use crate::geodesic::Phase;
 use crate::geometry::PrimitiveId;
-use crate::math::columns::plain_field;
 use crate::math::kernel::Kernel;
 use crate::spacetime::{ConformallyFlat, Fate};
-
-/// What became of a ray in a step that met nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turn {
-    /// It flies on.
-    #[default]
-    Flies,
-    /// It leaves to infinity.
-    Leaves,
-    /// It falls through the horizon.
-    Falls,
-    /// It took more steps than allowed.
-    StepLimit,
-    /// Its state is no longer finite.
-    NonFinite,
-}
-
-plain_field!(Turn);
 
 /// Most steps of one ray: two orders of magnitude above what rays with several windings take.
 const MAX_STEPS: u32 = 10_000;

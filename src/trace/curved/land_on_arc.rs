@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Curved, CurvedFlight, CurvedMove, Lane};
+use super::flight::{CurvedFlight, CurvedMove, Lane};
+use super::rays::Curved;
 use crate::geodesic::Arc;
 use crate::geometry::Found;
 use crate::math::columns::{Columns, columns};

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::commit_step::Turn;
-use super::{Curved, CurvedFlight, Lane};
+use super::flight::{CurvedFlight, Lane, Turn};
+use super::rays::Curved;
 use crate::geodesic::{Launch, Phase};
 use crate::geometry::PrimitiveId;
 use crate::math::columns::columns;

@@ -2,8 +2,8 @@
 //! that everything else is compiled once.
 
 use super::super::steppers::{UseStepper, with_stepper};
+use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use super::{CurvedFlight, CurvedMove, Lane};
 use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow};
 use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};

@@ -1,12 +1,12 @@
-//! Parts of a curved ray's step, for landings on the ray itself.
+//! A curved ray's step, of which parts are wanted.
 
 use glam::DVec3;
 
-use super::{Curved, CurvedFlight, CurvedMove, Lane};
+use super::flight::Lane;
 use crate::geodesic::{Phase, Step, Stepper};
-use crate::math::columns::{Row, columns};
+use crate::math::columns::columns;
 use crate::spacetime::ConformallyFlat;
-use crate::trace::land_on_ray::{Part, Pose, Retrace};
+use crate::trace::land_on_ray::{Part, Pose};
 
 columns! {
     /// A step, of which parts are wanted.
@@ -54,55 +54,5 @@ impl<R: Lane> Span<R> {
             speed: speed.value(),
             s: part.s,
         }
-    }
-}
-
-impl<M: ConformallyFlat, R: Lane> Retrace for Curved<M, R> {
-    type Span = Span<R>;
-
-    #[inline(always)]
-    fn span(&self, flight: &CurvedFlight<R>, _: &CurvedMove<R>) -> Span<R> {
-        let &CurvedFlight { position, radial, along, b, w, v, pull, h, .. } = flight;
-        Span { position: position + self.center, radial, along, b, w, v, pull, h }
-    }
-
-    #[inline(always)]
-    fn part_near(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
-        let point = point - self.center;
-        let tangent = (flight.b * flight.h).value();
-        let s = if tangent > 1e-3 {
-            point.dot(flight.along) / (point.dot(flight.radial) * tangent)
-        } else {
-            let (way, whole) = (point - flight.position, flight.place(step.end_x, step.end_y));
-            let (x, end_x) = (way.dot(flight.radial), step.end_x.value());
-            if end_x.abs() > 0.1 * whole.length() {
-                // Nearly along the radius w is linear in ξ.
-                x / end_x / ((step.w / flight.w).value() * (1.0 + x * flight.w.value()))
-            } else {
-                way.dot(whole) / whole.length_squared()
-            }
-        };
-        if s.is_finite() { s.clamp(0.0, 1.0) } else { 1.0 }
-    }
-
-    fn pose(&self, span: &Span<R>, part: &Part) -> Pose {
-        self.march.pose(span, part)
-    }
-
-    fn pose_all(
-        &self,
-        spans: &[<Span<R> as Row>::Block],
-        parts: &[<Part as Row>::Block],
-        poses: &mut [<Pose as Row>::Block],
-    ) {
-        self.march.pose_all(spans, parts, poses);
-    }
-
-    fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    fn segment_tolerance(&self) -> f64 {
-        self.arc_tolerance
     }
 }
