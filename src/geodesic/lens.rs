@@ -128,6 +128,8 @@ const NEAR_PHOTON_SPHERE: f64 = 0.05;
 /// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
 /// which is largest there, no longer tells them apart.
 const ON_PHOTON_SPHERE: f64 = 5e-6;
+/// Inverse radius in units of the photon sphere's, beyond which the index of a horizon at the centre need not be known.
+const DEEPEST: f64 = 1e9;
 /// Angle, radians, that a radial ray is taken to sweep: far below rounding.
 const RADIAL: f64 = 1e-20;
 /// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
@@ -150,7 +152,11 @@ impl Lens {
         if !(critical > 0.0 && photon_sphere.is_finite()) {
             return None;
         }
-        let innermost = 1.0 / medium.horizon();
+        // Where the horizon is at the centre, w(s) has a pole at s = -1: it is fitted where it is asked for.
+        let (innermost, near) = match medium.horizon() {
+            0.0 => (DEEPEST * photon_sphere, (-0.5, 0.5)),
+            horizon => (1.0 / horizon, (-1.0, 1.0)),
+        };
         let place = |s: f64| {
             let (low, high) = if s > 0.0 { (0.0, photon_sphere) } else { (photon_sphere, innermost) };
             let is_lower = |w: f64| critical * w / medium.index(w) < 1.0 - s * s;
@@ -175,7 +181,7 @@ impl Lens {
             outside,
             inside,
             reach,
-            place: Chebyshev::fit(TERMS, (-1.0, 1.0), |s| place(s) / photon_sphere),
+            place: Chebyshev::fit(TERMS, near, |s| place(s) / photon_sphere),
             rules: RULES.map(rule).to_vec(),
             digits: -0.5 * libm::log(tolerance),
             enough: tolerance,

@@ -65,6 +65,28 @@ impl<'de> Deserialize<'de> for SpacetimeTable {
 /// Reads `[spacetime]`.
 struct SpacetimeKeys;
 
+/// A key of `[spacetime]`.
+struct SpacetimeKey(&'static str);
+
+impl<'de> Deserialize<'de> for SpacetimeKey {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let known = SPACETIME_KEYS.iter().find(|known| **known == key);
+        known.map(|known| Self(known)).ok_or_else(|| de::Error::unknown_field(&key, &SPACETIME_KEYS))
+    }
+}
+
+/// Value of `spacetime.kind`.
+struct SpacetimeName(&'static Entry);
+
+impl<'de> Deserialize<'de> for SpacetimeName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let entry = Entry::named(&name).map(Self);
+        entry.ok_or_else(|| de::Error::unknown_variant(&name, &SPACETIME_NAMES))
+    }
+}
+
 /// Names of all spacetimes, and keys of `[spacetime]`.
 static SPACETIME_NAMES: LazyLock<Vec<&str>> =
     LazyLock::new(|| SPACETIMES.iter().map(|entry| entry.name).collect());
@@ -85,19 +107,11 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SpacetimeTable, A::Error> {
         let (mut kind, mut center, mut parameters) = (None, None, BTreeMap::new());
-        while let Some(key) = map.next_key::<String>()? {
-            match key.as_str() {
-                "kind" => {
-                    let name: String = map.next_value()?;
-                    let entry = Entry::named(&name);
-                    kind = Some(entry.ok_or_else(|| de::Error::unknown_variant(&name, &SPACETIME_NAMES))?);
-                }
+        while let Some(SpacetimeKey(key)) = map.next_key()? {
+            match key {
+                "kind" => kind = Some(map.next_value::<SpacetimeName>()?.0),
                 "center" => center = Some(map.next_value()?),
-                other => {
-                    let known = SPACETIME_KEYS.iter().find(|key| **key == other);
-                    let key = known.ok_or_else(|| de::Error::unknown_field(other, &SPACETIME_KEYS))?;
-                    parameters.insert(*key, map.next_value()?);
-                }
+                parameter => drop(parameters.insert(parameter, map.next_value()?)),
             }
         }
         let kind = kind.ok_or_else(|| de::Error::missing_field("kind"))?;

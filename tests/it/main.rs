@@ -10,6 +10,7 @@ mod geodesics {
     mod geodesic_reference;
     mod gradient_index;
     mod schwarzschild_rays;
+    mod spacetimes;
     mod steppers;
     mod tolerance;
 }
@@ -42,6 +43,7 @@ mod pictures {
     mod golden;
     mod lensed_images;
     mod machines;
+    mod spacetimes;
 }
 
 mod files {

@@ -78,6 +78,37 @@ fn every_exact_ray_ends_where_it_should_at_every_preset() {
 }
 
 #[test]
+fn a_table_of_rays_around_charged_holes_has_the_mass_as_its_unit() {
+    let text = fs::read_to_string(
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/reissner_nordstrom_rays.csv"),
+    );
+    let place = Place::with(&text.unwrap());
+    let flags = ["trace", "--spacetime", "reissner-nordstrom", "rays.csv", "-o", "out.csv"];
+    assert_code(&place.run(&flags), 0);
+    let (found, exact) =
+        (table(place.path("out.csv").to_str().unwrap()), table("reissner_nordstrom_rays.csv"));
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in found.iter().zip(&exact) {
+        assert_eq!(found.text("status"), exact.text("status"), "row {}", exact.text("id"));
+        assert_eq!(found.text("Q"), exact.text("Q"));
+        let error = |column| match (found.maybe(column), exact.maybe(column)) {
+            (Some(found), Some(exact)) => (found / exact - 1.0).abs(),
+            _ => 0.0,
+        };
+        let sens = exact.maybe("sens").unwrap_or(1.0);
+        assert!(
+            error("t") < 1e-10 + 1e-12 * sens && error("b") < 1e-13 && error("r_min") < 1e-9,
+            "{}",
+            exact.text("id")
+        );
+    }
+    let more = format!("Q,{}1.5,-20,3,1,1,0,0,30\n", HEADER.replace("rs,", ""));
+    fs::write(place.path("rays.csv"), more).unwrap();
+    let refused = place.run(&["trace", "--spacetime", "reissner-nordstrom", "rays.csv", "-o", "out.csv"]);
+    assert_refused(&refused, &["line 2", "column `Q`", "the charge Q/M is 1.5", "more charge than mass"]);
+}
+
+#[test]
 fn every_exact_ray_ends_where_it_should_with_every_stepper() {
     let place = exact_rays();
     for stepper in &orbit_steppers() {
