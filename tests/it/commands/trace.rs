@@ -79,14 +79,10 @@ fn every_exact_ray_ends_where_it_should_at_every_preset() {
 
 #[test]
 fn a_table_of_rays_around_charged_holes_has_the_mass_as_its_unit() {
-    let text = fs::read_to_string(
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/reissner_nordstrom_rays.csv"),
-    );
-    let place = Place::with(&text.unwrap());
+    let place = folder(&data("reissner_nordstrom_rays.csv"));
     let flags = ["trace", "--spacetime", "reissner-nordstrom", "rays.csv", "-o", "out.csv"];
     assert_code(&place.run(&flags), 0);
-    let (found, exact) =
-        (table(place.path("out.csv").to_str().unwrap()), table("reissner_nordstrom_rays.csv"));
+    let (found, exact) = (place.rows("out.csv"), table("reissner_nordstrom_rays.csv"));
     assert_eq!(found.len(), exact.len());
     for (found, exact) in found.iter().zip(&exact) {
         assert_eq!(found.text("status"), exact.text("status"), "row {}", exact.text("id"));
