@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use super::{Disk, Line, triangle::cross_plane};
+use super::line::Line;
+use super::primitives::Disk;
+use super::triangle::cross_plane;
 use crate::geodesic::Arc;
 use crate::math::bernstein::positive;
 

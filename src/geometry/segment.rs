@@ -2,9 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::{Disk, Sphere, Triangle, disk, sphere, triangle};
+use super::line::Line;
+use super::primitives::{Disk, Sphere};
+use super::triangle::Triangle;
+use super::{disk, sphere, triangle};
 use crate::geodesic::Arc;
-use crate::math::columns::columns;
 
 /// The straight line between a segment's ends, and how far the segment strays from it.
 #[derive(Clone, Copy, Debug)]
@@ -44,17 +46,6 @@ pub trait Segment: Copy {
     fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64;
     /// First crossing of an annulus.
     fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64;
-}
-
-columns! {
-    /// A straight segment.
-    #[derive(PartialEq)]
-    pub struct Line => LineBlock {
-        /// Start.
-        p0: DVec3,
-        /// End.
-        p2: DVec3,
-    }
 }
 
 impl Segment for Line {

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::{Line, Sphere};
+use super::line::Line;
+use super::primitives::Sphere;
 use crate::geodesic::Arc;
 use crate::math::bernstein::{first_sign_change, positive};
 use crate::math::columns::columns;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Line;
+use super::line::Line;
 use crate::geodesic::Arc;
 use crate::math::bernstein::positive;
 use crate::math::columns::columns;

@@ -4,28 +4,11 @@ use glam::DVec3;
 
 use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
+use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::reissner_nordstrom::ReissnerNordstrom;
 use super::schwarzschild::Schwarzschild;
 use crate::math::real::Real;
-
-/// A static, spherical spacetime that scenes, tables of rays and commands know by name.
-pub trait Named: ConformallyFlat + Into<Metric> {
-    /// Name in scene files and on the command line.
-    const NAME: &'static str;
-    /// Name in descriptions.
-    const TITLE: &'static str;
-    /// One line for the command line's help.
-    const SUMMARY: &'static str;
-    /// Parameters in the order of [`Self::new`]'s values.
-    const PARAMETERS: &'static [Parameter];
-
-    /// The spacetime with these parameters; of values out of their ranges nothing is promised.
-    fn new(values: &[f64]) -> Self;
-
-    /// Values of the parameters.
-    fn values(&self) -> Vec<f64>;
-}
 
 macro_rules! spherical {
     ($($name:ident),* $(,)?) => {
@@ -161,7 +144,7 @@ static FLAT: Entry = Entry {
 };
 
 impl Entry {
-    const fn of<M: Named>() -> Self {
+    const fn of<M: Named + Into<Metric>>() -> Self {
         let make =
             |center, values: &[f64]| SpacetimeKind::Spherical { center, metric: M::new(values).into() };
         Self { name: M::NAME, title: M::TITLE, summary: M::SUMMARY, parameters: M::PARAMETERS, make }

@@ -28,13 +28,15 @@
 mod chart;
 mod conformally_flat;
 mod kind;
+mod named;
 mod parameter;
 mod reissner_nordstrom;
 mod schwarzschild;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
-pub use kind::{Entry, Metric, Named, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use kind::{Entry, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use reissner_nordstrom::ReissnerNordstrom;
 pub use schwarzschild::Schwarzschild;

@@ -7,7 +7,7 @@
 //! 1983, "The Mathematical Theory of Black Holes", §40.
 
 use super::conformally_flat::ConformallyFlat;
-use super::kind::Named;
+use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use crate::math::real::Real;
 

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::conformally_flat::ConformallyFlat;
-use super::kind::Named;
+use super::named::Named;
 use super::parameter::{Parameter, SCHWARZSCHILD_RADIUS};
 use crate::math::real::Real;
 

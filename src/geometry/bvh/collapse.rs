@@ -5,8 +5,7 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::node::{Node, WIDTH};
-use super::{EMPTY, LEAF_SIZE};
+use super::node::{EMPTY, LEAF_SIZE, Node, WIDTH};
 
 /// Nodes, and the primitive of each leaf slot.
 #[derive(Default)]

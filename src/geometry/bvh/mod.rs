@@ -23,10 +23,10 @@ use obvhs::{BvhBuildParams, fast_stack};
 use rayon::prelude::*;
 
 use self::collapse::Wide;
+pub use self::node::{EMPTY, LEAF_SIZE};
 use self::node::{LEAF, Node, WIDTH};
 use self::thick_ray::ThickRay;
 use super::Chord;
-use crate::math::columns::LANES;
 use crate::math::prefetch::prefetch;
 
 /// Who is shown the leaves that a walk comes to. (A closure cannot be forced inline, and only what is inlined gets the wide
@@ -49,11 +49,6 @@ pub struct Bvh {
     /// The most that a walk has to remember.
     pending: usize,
 }
-
-/// Slots of a leaf.
-pub const LEAF_SIZE: usize = LANES;
-/// What is in a slot that holds nothing, never the first of its leaf.
-pub const EMPTY: u32 = u32::MAX;
 
 /// Up to this many boxes are not worth a walk. Measured on the paper's nine spheres.
 const FEW: usize = 16;

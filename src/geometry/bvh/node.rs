@@ -6,6 +6,13 @@
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
+use crate::math::columns::LANES;
+
+/// Slots of a leaf.
+pub const LEAF_SIZE: usize = LANES;
+/// What is in a slot that holds nothing, never the first of its leaf.
+pub const EMPTY: u32 = u32::MAX;
+
 /// Children of a node, at most.
 pub const WIDTH: usize = 8;
 /// Marks the number of a leaf.
