@@ -55,6 +55,8 @@ impl Source {
 #[inline(always)]
 pub fn deposit(path: &mut Path, source: Source, radiance: impl FnOnce() -> Vec3) {
     if source.is_for(path.gathers) {
-        path.radiance += radiance();
+        let radiance = radiance();
+        debug_assert!(radiance.is_finite() && radiance.min_element() >= 0.0, "{source:?}: {radiance}");
+        path.radiance += radiance;
     }
 }

@@ -16,7 +16,9 @@ pub fn scatter(job: &Job, path: &mut Path, incidence: &Incidence, numbers: [f32;
         return None;
     }
     let bounce = shade::scatter(&job.scene.materials, incidence, numbers)?;
+    debug_assert!(bounce.direction.is_normalized() && bounce.density >= 0.0, "{bounce:?}");
     path.throughput *= bounce.weight;
+    debug_assert!(path.throughput.is_finite() && path.throughput.min_element() >= 0.0, "{bounce:?}");
     path.media = bounce.media;
     if path.throughput == Vec3::ZERO {
         return None;
