@@ -81,7 +81,8 @@ fn the_table_has_the_columns_of_the_exact_one_below_the_settings() {
     assert_eq!(header(&text), header(&place.read("pairs.csv")));
     let comment = text.lines().next().unwrap();
     assert!(
-        comment.starts_with("# warpfront ") && comment.ends_with(" connect --max-winding 1"),
+        comment.starts_with("# warpfront ")
+            && comment.ends_with(" connect --spacetime schwarzschild --max-winding 1"),
         "{comment}"
     );
     assert!(place.rows("out.csv").iter().all(|row| row.number("winding") <= 1.0));

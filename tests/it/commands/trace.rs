@@ -293,6 +293,9 @@ fn bad_arguments_are_refused() {
     let flat = ["trace", "--spacetime", "flat"];
     assert_refused(&place.run(&[&flat[..], &["none.csv"]].concat()), &["cannot read `none.csv`"]);
     assert_refused(&place.run(&[&flat[..], &["."]].concat()), &["cannot read `.`"]);
-    assert_refused(&place.run(&["trace", "--spacetime", "kerr", "rays.csv"]), &["schwarzschild, flat"]);
+    assert_refused(
+        &place.run(&["trace", "--spacetime", "kerr", "rays.csv"]),
+        &["schwarzschild, reissner-nordstrom, flat"],
+    );
     assert_eq!(place.files(), ["rays.csv"]);
 }
