@@ -57,7 +57,7 @@ pub fn mean(bytes: &[u8], memory: &Memory) -> Result<Vec3, Flaw> {
         }
     }
     let mut sum = DVec3::ZERO;
-    for (level, counts) in (0u16..).zip(&counts).filter(|(_, counts)| **counts != [0; 3]) {
+    for (level, counts) in (0u16..=u16::MAX).zip(&counts).filter(|(_, counts)| **counts != [0; 3]) {
         let value = f64::from(transfer.linear(f32::from(level) / f32::from(u16::MAX)));
         sum += value * DVec3::from(counts.map(|count| count as f64));
     }
