@@ -71,7 +71,7 @@ const SCENE: &str = "scenes/cornell_black_hole.toml";
 fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3, PrimitiveId)> {
     let mut ray = || {
         let (position, direction) = scene.camera.ray(DVec2::from_array(random.random()), 4.0 / 3.0);
-        Ray { position, direction, leaves: PrimitiveId::NONE }
+        Ray { position, direction, origin_prim: PrimitiveId::NONE }
     };
     let rays: Vec<Ray> = (0..ITEMS).map(|_| ray()).collect();
     let landing = |end| match end {

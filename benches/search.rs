@@ -92,7 +92,7 @@ fn by_turns<S: SideBySide>(bencher: Bencher, segments: &[S]) {
     let mut search = Search::default();
     search.queries.gather(segments.len(), |lane| Query {
         segment: segments[lane],
-        leaves: PrimitiveId::NONE,
+        origin_prim: PrimitiveId::NONE,
         need: Need::Whole,
     });
     bencher

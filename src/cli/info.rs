@@ -89,7 +89,7 @@ struct Materials {
     emitting: usize,
 }
 
-/// Lights without extent.
+/// Punctual lights.
 #[derive(Default, Serialize)]
 struct Lights {
     point: usize,

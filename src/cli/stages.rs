@@ -121,7 +121,7 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
     };
     let also = if lights.is_guided { ", and through mirrors and glass as photons came" } else { "" };
     let surfaces = plural(lights.surfaces, "surface", "surfaces");
-    let points = plural(lights.punctual, "light without extent", "lights without extent");
+    let points = plural(lights.punctual, "punctual light", "punctual lights");
     let sky = if lights.sky { " and the sky" } else { "" };
     stage("light", true, format!("rays to {surfaces}, {points}{sky}, {way}{also}"))
 }

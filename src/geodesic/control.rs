@@ -2,8 +2,8 @@
 
 use super::stepper::Estimate;
 use super::{Phase, PlaneArc, Step, Stepper};
+use crate::math::fast_log2;
 use crate::math::real::Real;
-use crate::math::rough;
 use crate::spacetime::ConformallyFlat;
 
 /// What steps are held to, and how their length follows.
@@ -113,9 +113,9 @@ impl<R: Real> Control<R> {
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
         // (e₋₁/e³)^(1/4p) with p rounded to a power of two, in logarithms.
-        let log2 = |error: R| rough::log2(error.value() as f32);
+        let log2 = |error: R| fast_log2::log2(error.value() as f32);
         let halvings = if order > 6 { 5 } else { 4 };
-        let factor = SAFETY * rough::exp2((log2(previous) - 3 * log2(bounded)) >> halvings);
+        let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(bounded)) >> halvings);
         let most = if accepted { GROWTH.1 } else { HALVED };
         let factor = factor.at_most(most).at_least(GROWTH.0);
         Verdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
@@ -162,8 +162,8 @@ impl<R: Real> Control<R> {
         let strength = b * pull / ((v * v + (b * w) * (b * w)).sqrt() * rate * rate);
         // The root of that order, with the exponent rounded up to 64ths, so that small roots are not too large.
         let exponent = 64u32.div_ceil(order.max(1)) as i32;
-        let log2 = rough::log2((REACH * self.tolerance.value() / strength) as f32);
-        let reach = f64::from(rough::exp2((log2 >> 6) * exponent));
+        let log2 = fast_log2::log2((REACH * self.tolerance.value() / strength) as f32);
+        let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
         self.within(R::of(reach.at_most(LARGEST_TANGENT) / rate), R::of(b), phase)
     }
 }

@@ -22,7 +22,7 @@
 use glam::DVec3;
 
 use super::{Stepper, Trial};
-use crate::math::exact;
+use crate::math::cross_exact;
 use crate::math::frame;
 use crate::math::real::Real;
 use crate::spacetime::{ConformallyFlat, Fate};
@@ -108,7 +108,7 @@ impl Launch {
         let (rho, length) = (x.length(), d.length());
         let (w, per_length) = (1.0 / rho, 1.0 / length);
         let radial = x * w;
-        let spin = exact::cross(x, d) * (w * per_length);
+        let spin = cross_exact::cross(x, d) * (w * per_length);
         let sine = spin.length();
         let turns = sine > 0.0;
         let (across, any) = ((spin * (1.0 / sine)).cross(radial), frame::tangents(radial).0);

@@ -10,7 +10,7 @@ use super::bvh::{EMPTY, LEAF_SIZE, Visitor};
 use super::distance::Reach;
 use super::nearest::Leaving;
 use super::scene::Item;
-use super::{Carrier, Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere};
+use super::{Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere, SupportingSurface};
 
 /// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of triangles
 /// they are in f32.
@@ -25,10 +25,10 @@ const PROBE: f64 = 8.0;
 
 impl Geometry {
     /// How high over a surface a point may be that lies on it.
-    fn slack(&self, primitive: PrimitiveId, carrier: &Carrier, point: DVec3) -> f64 {
+    fn slack(&self, primitive: PrimitiveId, support: &SupportingSurface, point: DVec3) -> f64 {
         let largest = |v: DVec3| v.abs().max_element();
         let reach =
-            largest(point - self.origin).max(largest(carrier.anchor - self.origin)).max(carrier.radius);
+            largest(point - self.origin).max(largest(support.anchor - self.origin)).max(support.radius);
         match self.item(primitive.item) {
             Item::Triangle(_) | Item::Instance(_) => ON_TRIANGLES * reach,
             // The origin is taken off and added.
@@ -38,9 +38,9 @@ impl Geometry {
 
     /// Whether two primitives lie upon each other at a point of the first, if both reach there.
     fn coincide(&self, one: PrimitiveId, other: PrimitiveId, point: DVec3) -> bool {
-        let [carrier, beside] = [one, other].map(|primitive| self.carrier(primitive));
-        let (normal, (height, beside_normal)) = (carrier.height(point).1, beside.height(point));
-        let slack = self.slack(one, &carrier, point).min(self.slack(other, &beside, point));
+        let [support, beside] = [one, other].map(|primitive| self.support(primitive));
+        let (normal, (height, beside_normal)) = (support.height(point).1, beside.height(point));
+        let slack = self.slack(one, &support, point).min(self.slack(other, &beside, point));
         height.abs() <= slack && normal.cross(beside_normal).length_squared() <= PARALLEL
     }
 
@@ -55,8 +55,13 @@ impl Geometry {
     /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met, which is
     /// near its start.
     #[cold]
-    pub(super) fn past_start<S: Segment>(&self, segment: &S, leaves: PrimitiveId, first: Hit) -> Option<Hit> {
-        let leaving = PastStart { geometry: self, segment, leaves };
+    pub(super) fn past_start<S: Segment>(
+        &self,
+        segment: &S,
+        origin_prim: PrimitiveId,
+        first: Hit,
+    ) -> Option<Hit> {
+        let leaving = PastStart { geometry: self, segment, origin_prim };
         if leaving.leaves_also(first.primitive, first.s) { self.first(segment, leaving) } else { Some(first) }
     }
 
@@ -93,8 +98,8 @@ impl Geometry {
         {
             return Vec::new();
         }
-        let carrier = self.carrier(primitive);
-        let way = PROBE * self.slack(primitive, &carrier, point) * carrier.height(point).1;
+        let support = self.support(primitive);
+        let way = PROBE * self.slack(primitive, &support, point) * support.height(point).1;
         let local = point - self.origin;
         let line = Line { p0: local - way, p2: local + way };
         let mut upon = Upon { geometry: self, line, found: Vec::new() };
@@ -111,7 +116,7 @@ struct PastStart<'a, S> {
     geometry: &'a Geometry,
     /// World coordinates.
     segment: &'a S,
-    leaves: PrimitiveId,
+    origin_prim: PrimitiveId,
 }
 
 impl<S> Clone for PastStart<'_, S> {
@@ -124,16 +129,16 @@ impl<S> Copy for PastStart<'_, S> {}
 
 impl<S: Segment> Leaving for PastStart<'_, S> {
     fn starts_on(&self, primitive: PrimitiveId) -> bool {
-        self.leaves == primitive
+        self.origin_prim == primitive
     }
 
     fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool {
-        let Self { geometry, segment, leaves } = *self;
+        let Self { geometry, segment, origin_prim } = *self;
         let start = segment.chord().start;
-        leaves != primitive
+        origin_prim != primitive
             && s < f64::INFINITY
             && geometry.is_near_start(start, segment.point(s))
-            && geometry.coincide(leaves, primitive, start)
+            && geometry.coincide(origin_prim, primitive, start)
     }
 }
 

@@ -24,18 +24,18 @@ impl Disk {
 
 /// First crossing of `disk` by `line`; infinite if there is none.
 #[inline(always)]
-pub fn cross_line(line: &Line, disk: &Disk, leaves: bool) -> f64 {
+pub fn cross_line(line: &Line, disk: &Disk, starts_on: bool) -> f64 {
     let (start, end) = (disk.height(line.p0), disk.height(line.p2));
-    let crosses = !leaves & (positive(start) != positive(end));
+    let crosses = !starts_on & (positive(start) != positive(end));
     let s = start / (start - end);
     if crosses & disk.holds(line.p0 + s * (line.p2 - line.p0)) { s } else { f64::INFINITY }
 }
 
 /// First crossing of `disk` by `arc`; infinite if there is none.
 #[inline(always)]
-pub fn cross_arc(arc: &Arc, disk: &Disk, leaves: bool) -> f64 {
-    let start = if leaves { 0.0 } else { disk.height(arc.p0) };
-    let roots = cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), leaves);
+pub fn cross_arc(arc: &Arc, disk: &Disk, starts_on: bool) -> f64 {
+    let start = if starts_on { 0.0 } else { disk.height(arc.p0) };
+    let roots = cross_plane(start, arc.w * disk.height(arc.p1), disk.height(arc.p2), starts_on);
     let is_on = |&s: &f64| s < f64::INFINITY && disk.holds(arc.point(s));
     roots.into_iter().find(is_on).unwrap_or(f64::INFINITY)
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::bvh::{LEAF_SIZE, Visitor};
+use super::cull::Cull;
 use super::scene::{Item, Placed, SharedMesh};
-use super::screen::Screen;
 use super::{Chord, Geometry, Hit, PrimitiveId, Segment, Triangle};
 use crate::math::columns::Row;
 use crate::math::kernel::widest;
@@ -16,19 +16,19 @@ impl Geometry {
     /// Where two primitives are met at the very same parameter the one that was given first wins, whatever the order of
     /// the hierarchy.
     #[inline]
-    pub fn intersect<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
-        let first = self.first(segment, leaves)?;
+    pub fn intersect<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
+        let first = self.first(segment, origin_prim)?;
         let point = segment.point(first.s);
-        if leaves != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
-            return self.past_start(segment, leaves, first);
+        if origin_prim != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {
+            return self.past_start(segment, origin_prim, first);
         }
         Some(first)
     }
 
     /// The first hit of a segment that leaves what `leaves` tells.
     #[inline]
-    pub(super) fn first<S: Segment, L: Leaving>(&self, segment: &S, leaves: L) -> Option<Hit> {
-        widest(First { geometry: self, segment, leaves })
+    pub(super) fn first<S: Segment, L: Leaving>(&self, segment: &S, origin_prim: L) -> Option<Hit> {
+        widest(First { geometry: self, segment, origin_prim })
     }
 }
 
@@ -58,7 +58,7 @@ impl Leaving for PrimitiveId {
 struct First<'a, S, L> {
     geometry: &'a Geometry,
     segment: &'a S,
-    leaves: L,
+    origin_prim: L,
 }
 
 impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
@@ -66,7 +66,7 @@ impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
 
     #[inline(always)]
     fn call(self) -> Option<Hit> {
-        let mut nearest = Nearest::new(self.geometry, self.segment, self.leaves);
+        let mut nearest = Nearest::new(self.geometry, self.segment, self.origin_prim);
         self.geometry.bvh.walk(&nearest.chord(), &mut nearest);
         nearest.hit
     }
@@ -78,7 +78,7 @@ pub(super) struct Nearest<'a, S, L> {
     /// Relative to the origin of the geometry.
     segment: S,
     along: Along,
-    leaves: L,
+    origin_prim: L,
     /// The first so far.
     pub(super) hit: Option<Hit>,
 }
@@ -86,9 +86,9 @@ pub(super) struct Nearest<'a, S, L> {
 impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
     /// Along `segment` (world), which leaves what `leaves` tells.
     #[inline(always)]
-    pub(super) fn new(geometry: &'a Geometry, segment: &S, leaves: L) -> Self {
+    pub(super) fn new(geometry: &'a Geometry, segment: &S, origin_prim: L) -> Self {
         let segment = segment.shifted(-geometry.origin);
-        Self { geometry, segment, along: Along::new(segment.chord()), leaves, hit: None }
+        Self { geometry, segment, along: Along::new(segment.chord()), origin_prim, hit: None }
     }
 
     /// What is to be walked along.
@@ -111,15 +111,15 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
 impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
-        let Self { geometry, leaves, .. } = *self;
+        let Self { geometry, origin_prim, .. } = *self;
         if !geometry.singles.is_empty() {
             let mut may = self.along.screen_block::<S>(geometry.triangles.block(number));
             while let Some(slot) = next_slot(&mut may, number) {
                 let primitive = PrimitiveId { item: slot, triangle: 0 };
-                let own = leaves.starts_on(primitive);
+                let own = origin_prim.starts_on(primitive);
                 if S::BENDS || !own {
                     let mut s = self.segment.cross_triangle(&geometry.triangle(slot), own);
-                    if leaves.leaves_also(primitive, s) {
+                    if origin_prim.leaves_also(primitive, s) {
                         s = self.segment.cross_triangle(&geometry.triangle(slot), true);
                     }
                     self.consider(s, slot, 0);
@@ -129,7 +129,7 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let (s, triangle) = cross_other(geometry, slot, &self.segment, leaves);
+                    let (s, triangle) = cross_other(geometry, slot, &self.segment, origin_prim);
                     self.consider(s, slot, triangle);
                 }
             }
@@ -147,21 +147,28 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
 
 /// First crossing of what is no triangle by `segment` (relative to the origin), by parameter (infinite if there is none) and
 /// triangle of an instance.
-fn cross_other<S: Segment, L: Leaving>(geometry: &Geometry, slot: u32, segment: &S, leaves: L) -> (f64, u32) {
+fn cross_other<S: Segment, L: Leaving>(
+    geometry: &Geometry,
+    slot: u32,
+    segment: &S,
+    origin_prim: L,
+) -> (f64, u32) {
     let primitive = PrimitiveId { item: slot, triangle: 0 };
-    let own = leaves.starts_on(primitive);
+    let own = origin_prim.starts_on(primitive);
     match geometry.item(slot) {
         Item::Sphere(i) => {
             let sphere = &geometry.spheres[i as usize].0;
             let s = segment.cross_sphere(sphere, own);
-            (if leaves.leaves_also(primitive, s) { segment.cross_sphere(sphere, true) } else { s }, 0)
+            (if origin_prim.leaves_also(primitive, s) { segment.cross_sphere(sphere, true) } else { s }, 0)
         }
         Item::Disk(i) => {
             let disk = &geometry.disks[i as usize].0;
             let s = segment.cross_disk(disk, own);
-            (if leaves.leaves_also(primitive, s) { segment.cross_disk(disk, true) } else { s }, 0)
+            (if origin_prim.leaves_also(primitive, s) { segment.cross_disk(disk, true) } else { s }, 0)
         }
-        Item::Instance(i) => cross_instance(geometry, slot, &geometry.placed[i as usize], segment, leaves),
+        Item::Instance(i) => {
+            cross_instance(geometry, slot, &geometry.placed[i as usize], segment, origin_prim)
+        }
         Item::Triangle(_) => (f64::INFINITY, 0),
     }
 }
@@ -172,12 +179,12 @@ fn cross_instance<S: Segment, L: Leaving>(
     item: u32,
     placed: &Placed,
     segment: &S,
-    leaves: L,
+    origin_prim: L,
 ) -> (f64, u32) {
     let Some(shared) = &geometry.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
     let segment = segment.transformed(&placed.to_object);
     let along = Along::new(segment.chord());
-    widest(NearestInside { shared, segment, along, leaves, item, hit: (f64::INFINITY, 0) })
+    widest(NearestInside { shared, segment, along, origin_prim, item, hit: (f64::INFINITY, 0) })
 }
 
 /// Looks for the first hit in the hierarchy of a shared mesh.
@@ -186,7 +193,7 @@ struct NearestInside<'a, S, L> {
     /// In the mesh's own coordinates.
     segment: S,
     along: Along,
-    leaves: L,
+    origin_prim: L,
     /// Slot of the placed mesh.
     item: u32,
     /// Parameter and slot.
@@ -212,9 +219,9 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
         let mut may = self.along.screen_block::<S>(triangles.block(number));
         while let Some(slot) = next_slot(&mut may, number) {
             let primitive = PrimitiveId { item: self.item, triangle: slot };
-            let own = self.leaves.starts_on(primitive);
+            let own = self.origin_prim.starts_on(primitive);
             let mut s = self.segment.cross_triangle(&triangles.get(slot as usize), own);
-            if self.leaves.leaves_also(primitive, s) {
+            if self.origin_prim.leaves_also(primitive, s) {
                 s = self.segment.cross_triangle(&triangles.get(slot as usize), true);
             }
             let (best, at) = self.hit;
@@ -245,22 +252,22 @@ struct Along {
     chord: Chord,
     /// The part of the chord that matters.
     until: f64,
-    screen: Screen,
+    cull: Cull,
 }
 
 impl Along {
     #[inline(always)]
     fn new(chord: Chord) -> Self {
-        Self { chord, until: 1.0, screen: Screen::new(&chord) }
+        Self { chord, until: 1.0, cull: Cull::new(&chord) }
     }
 
     /// One byte a lane: whether the segment may cross the triangle of that lane.
     #[inline(always)]
     fn screen_block<S: Segment>(&self, triangles: &<Triangle as Row>::Block) -> u64 {
         if S::BENDS {
-            self.screen.may_cross::<true>(triangles)
+            self.cull.may_cross::<true>(triangles)
         } else {
-            self.screen.may_cross::<false>(triangles)
+            self.cull.may_cross::<false>(triangles)
         }
     }
 
@@ -270,6 +277,6 @@ impl Along {
         let along = self.chord.end - self.chord.start;
         let part = (point - self.chord.start).dot(along) / along.length_squared();
         self.until = self.until.min(part);
-        self.screen.end_at(part);
+        self.cull.end_at(part);
     }
 }

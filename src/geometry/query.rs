@@ -23,7 +23,7 @@ pub struct Query<S> {
     /// The segment, world coordinates.
     pub segment: S,
     /// What it starts on.
-    pub leaves: PrimitiveId,
+    pub origin_prim: PrimitiveId,
     /// How it is to be searched.
     pub need: Need,
 }
@@ -32,7 +32,7 @@ pub struct Query<S> {
 #[derive(Clone, Copy, Default)]
 pub struct QueryBlock<B> {
     pub(super) segment: B,
-    pub(super) leaves: [PrimitiveId; LANES],
+    pub(super) origin_prim: [PrimitiveId; LANES],
     pub(super) need: [Need; LANES],
 }
 
@@ -42,13 +42,17 @@ impl<S: Row> Row for Query<S> {
     #[inline(always)]
     fn get(block: &Self::Block, lane: usize) -> Self {
         let lane = lane % LANES;
-        Query { segment: S::get(&block.segment, lane), leaves: block.leaves[lane], need: block.need[lane] }
+        Query {
+            segment: S::get(&block.segment, lane),
+            origin_prim: block.origin_prim[lane],
+            need: block.need[lane],
+        }
     }
 
     #[inline(always)]
     fn set(block: &mut Self::Block, lane: usize, row: Self) {
         let lane = lane % LANES;
         S::set(&mut block.segment, lane, row.segment);
-        (block.leaves[lane], block.need[lane]) = (row.leaves, row.need);
+        (block.origin_prim[lane], block.need[lane]) = (row.origin_prim, row.need);
     }
 }

@@ -54,7 +54,7 @@ pub struct SurfacePoint {
 
 columns! {
     /// What a primitive is a part of: a sphere, or a plane, whose radius is 0.
-    pub struct Carrier => CarrierBlock {
+    pub struct SupportingSurface => CarrierBlock {
         /// Centre of the sphere, or a point of the plane.
         anchor: DVec3,
         /// Unit normal of the plane.
@@ -64,7 +64,7 @@ columns! {
     }
 }
 
-impl Carrier {
+impl SupportingSurface {
     fn plane(anchor: DVec3, normal: DVec3) -> Self {
         Self { anchor, normal, radius: 0.0 }
     }
@@ -183,7 +183,7 @@ impl Geometry {
     }
 
     /// Every primitive tested against `segment`, without a BVH: the oracle for [`Self::intersect`].
-    pub fn intersect_brute_force<S: Segment>(&self, segment: &S, leaves: PrimitiveId) -> Option<Hit> {
+    pub fn intersect_brute_force<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
         let segment = &segment.shifted(-self.origin);
         let mut nearest: Option<Hit> = None;
         let mut consider = |s: f64, primitive: PrimitiveId| {
@@ -197,7 +197,7 @@ impl Geometry {
         };
         for (slot, item) in self.members() {
             let id = |triangle: u32| PrimitiveId { item: slot, triangle };
-            let own = |triangle: u32| leaves == id(triangle);
+            let own = |triangle: u32| origin_prim == id(triangle);
             match item {
                 Item::Triangle(_) => consider(segment.cross_triangle(&self.triangle(slot), own(0)), id(0)),
                 Item::Sphere(i) => consider(segment.cross_sphere(&self.spheres[i as usize].0, own(0)), id(0)),
@@ -226,29 +226,31 @@ impl Geometry {
     }
 
     /// The carrier of a primitive, in the world.
-    pub fn carrier(&self, primitive: PrimitiveId) -> Carrier {
+    pub fn support(&self, primitive: PrimitiveId) -> SupportingSurface {
         match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let Sphere { center, radius } = self.spheres[i as usize].0;
-                Carrier { anchor: center + self.origin, normal: DVec3::ZERO, radius }
+                SupportingSurface { anchor: center + self.origin, normal: DVec3::ZERO, radius }
             }
             Item::Disk(i) => {
                 let Disk { center, normal, .. } = self.disks[i as usize].0;
-                Carrier::plane(center + self.origin, normal)
+                SupportingSurface::plane(center + self.origin, normal)
             }
             Item::Triangle(_) => {
                 let triangle = self.triangle(primitive.item);
                 let [corner, ..] = triangle.corners();
-                Carrier::plane(corner + self.origin, triangle.normal().normalize_or_zero())
+                SupportingSurface::plane(corner + self.origin, triangle.normal().normalize_or_zero())
             }
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
-                let Some(shared) = &self.shared[placed.mesh as usize] else { return Carrier::default() };
+                let Some(shared) = &self.shared[placed.mesh as usize] else {
+                    return SupportingSurface::default();
+                };
                 let triangle = shared.triangles.get(primitive.triangle as usize);
                 let [corner, ..] = triangle.corners();
                 let anchor = placed.to_object.inverse().transform_point3(corner);
                 let normal = (placed.normal_to_world * triangle.normal()).normalize_or_zero();
-                Carrier::plane(anchor + self.origin, normal)
+                SupportingSurface::plane(anchor + self.origin, normal)
             }
         }
     }

@@ -1,17 +1,17 @@
 //! Searches of many segments at once.
 //!
 //! Where there are few primitives, segments are tested side by side ([`few`](super::few)). Elsewhere each is taken
-//! through the hierarchy, several by turns: while one waits for memory, others go on.
+//! through the hierarchy, several interleaved: while one waits for memory, others go on.
 
 use glam::DVec3;
 use obvhs::faststack::HeapStack;
 
 use super::SideBySide;
 use super::bvh::Walk;
-use super::few::Few;
 use super::nearest::Nearest;
 use super::query::{Need, Query};
 use super::scene::{Geometry, Hit, PrimitiveId};
+use super::small_scene::SmallScene;
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 
@@ -30,15 +30,15 @@ pub struct Search<S: SideBySide> {
     pub queries: Columns<Query<S>>,
     /// The first crossing, by lane; nothing for what is not to be searched as a whole.
     pub found: Vec<Option<Found>>,
-    few: Few,
+    few: SmallScene,
 }
 
-/// Walks that go by turns: enough that what the next of them visits has come when it is its turn. Measured.
+/// Interleaved traversals: enough that what the next of them visits has come when it is its turn. Measured.
 const TURNS: usize = 8;
 
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
-        Self { queries: Columns::default(), found: Vec::new(), few: Few::default() }
+        Self { queries: Columns::default(), found: Vec::new(), few: SmallScene::default() }
     }
 }
 
@@ -48,7 +48,7 @@ impl Geometry {
         let Search { queries, found, few } = search;
         found.clear();
         found.resize(lanes, None);
-        if self.is_few::<S>() {
+        if self.is_small::<S>() {
             few.search::<S>(self, queries.blocks(lanes));
             for (lane, found) in found.iter_mut().enumerate() {
                 let (s, primitive) = few.first(lane);
@@ -56,7 +56,7 @@ impl Geometry {
                 *found = (s < f64::INFINITY).then(|| Found { point: point(), primitive });
             }
         } else {
-            widest(ByTurns { geometry: self, queries, found });
+            widest(Interleaved { geometry: self, queries, found });
         }
         for (lane, found) in found.iter_mut().enumerate() {
             if let Some(Found { point, .. }) = found
@@ -71,13 +71,13 @@ impl Geometry {
     #[cold]
     #[inline(never)]
     fn found_near_start<S: SideBySide>(&self, query: &Query<S>) -> Option<Found> {
-        let Hit { s, primitive } = self.intersect(&query.segment, query.leaves)?;
+        let Hit { s, primitive } = self.intersect(&query.segment, query.origin_prim)?;
         Some(Found { point: query.segment.point(s), primitive })
     }
 }
 
 /// Takes all queries through the hierarchy.
-struct ByTurns<'a, S: SideBySide> {
+struct Interleaved<'a, S: SideBySide> {
     geometry: &'a Geometry,
     queries: &'a Columns<Query<S>>,
     found: &'a mut [Option<Found>],
@@ -90,12 +90,12 @@ struct Turn<'a, S> {
     lane: usize,
 }
 
-impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
+impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let ByTurns { geometry, queries, found } = self;
+        let Interleaved { geometry, queries, found } = self;
         let bvh = &geometry.bvh;
         let mut turns: [Turn<S>; TURNS] = std::array::from_fn(|_| Turn {
             walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
@@ -113,9 +113,9 @@ impl<S: SideBySide> pulp::NullaryFnOnce for ByTurns<'_, S> {
                         continue;
                     };
                     lane = next + 1;
-                    let Query { segment, leaves, .. } = queries.get(next);
+                    let Query { segment, origin_prim, .. } = queries.get(next);
                     turn.lane = next;
-                    turn.nearest = Nearest::new(geometry, &segment, leaves);
+                    turn.nearest = Nearest::new(geometry, &segment, origin_prim);
                     turn.walk.start(bvh, &turn.nearest.chord(), &mut turn.nearest);
                 } else {
                     turn.walk.step(bvh, &mut turn.nearest);
@@ -143,7 +143,7 @@ mod tests {
 
     /// Segments that are searched together meet what each of them meets by itself.
     fn check<S: SideBySide>(geometry: &Geometry, segment: impl Fn(usize) -> S) {
-        let query = |i| Query { segment: segment(i), leaves: PrimitiveId::NONE, need: Need::Whole };
+        let query = |i| Query { segment: segment(i), origin_prim: PrimitiveId::NONE, need: Need::Whole };
         let mut search = Search::default();
         search.queries.gather(LANES, query);
         geometry.search_all(&mut search, LANES);

@@ -41,11 +41,11 @@ pub trait Segment: Copy {
     /// The segment under an affine map; the parameter keeps its meaning.
     fn transformed(&self, map: &DAffine3) -> Self;
     /// First crossing of a sphere.
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64;
+    fn cross_sphere(&self, sphere: &Sphere, starts_on: bool) -> f64;
     /// First crossing of a triangle.
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64;
+    fn cross_triangle(&self, triangle: &Triangle, starts_on: bool) -> f64;
     /// First crossing of an annulus.
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64;
+    fn cross_disk(&self, disk: &Disk, starts_on: bool) -> f64;
 }
 
 impl Segment for Line {
@@ -83,18 +83,18 @@ impl Segment for Line {
     }
 
     #[inline(always)]
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64 {
-        sphere::cross_line(self, sphere, leaves)
+    fn cross_sphere(&self, sphere: &Sphere, starts_on: bool) -> f64 {
+        sphere::cross_line(self, sphere, starts_on)
     }
 
     #[inline(always)]
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64 {
-        triangle::cross_line(self, triangle, leaves)
+    fn cross_triangle(&self, triangle: &Triangle, starts_on: bool) -> f64 {
+        triangle::cross_line(self, triangle, starts_on)
     }
 
     #[inline(always)]
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64 {
-        disk::cross_line(self, disk, leaves)
+    fn cross_disk(&self, disk: &Disk, starts_on: bool) -> f64 {
+        disk::cross_line(self, disk, starts_on)
     }
 }
 
@@ -136,17 +136,17 @@ impl Segment for Arc {
     }
 
     #[inline(always)]
-    fn cross_sphere(&self, sphere: &Sphere, leaves: bool) -> f64 {
-        sphere::cross_arc(self, sphere, leaves)
+    fn cross_sphere(&self, sphere: &Sphere, starts_on: bool) -> f64 {
+        sphere::cross_arc(self, sphere, starts_on)
     }
 
     #[inline(always)]
-    fn cross_triangle(&self, triangle: &Triangle, leaves: bool) -> f64 {
-        triangle::cross_arc(self, triangle, leaves)
+    fn cross_triangle(&self, triangle: &Triangle, starts_on: bool) -> f64 {
+        triangle::cross_arc(self, triangle, starts_on)
     }
 
     #[inline(always)]
-    fn cross_disk(&self, disk: &Disk, leaves: bool) -> f64 {
-        disk::cross_arc(self, disk, leaves)
+    fn cross_disk(&self, disk: &Disk, starts_on: bool) -> f64 {
+        disk::cross_arc(self, disk, starts_on)
     }
 }

@@ -12,7 +12,7 @@ use crate::math::columns::columns;
 ///
 /// In f64 throughout: walls that are spheres of radius 1e5 lose their shape in f32.
 #[inline(always)]
-pub fn cross_line(line: &Line, sphere: &Sphere, leaves: bool) -> f64 {
+pub fn cross_line(line: &Line, sphere: &Sphere, starts_on: bool) -> f64 {
     let along = line.p2 - line.p0;
     let from = line.p0 - sphere.center;
     let a = along.length_squared();
@@ -32,7 +32,7 @@ pub fn cross_line(line: &Line, sphere: &Sphere, leaves: bool) -> f64 {
     // sphere is left for a segment that starts on it.
     let other = -2.0 * b / a;
     let other = if (other > 0.0) & (other <= 1.0) { other } else { f64::INFINITY };
-    if leaves { other } else { crossing }
+    if starts_on { other } else { crossing }
 }
 
 columns! {
@@ -68,11 +68,11 @@ impl FromStart {
     /// distance from the centre less `radius2`, times the square of the weight. For an arc that `leaves` the sphere, its
     /// start defines the radius, and the quartic is divided by its root there.
     #[inline(always)]
-    pub fn along(&self, center: DVec3, radius2: f64, leaves: bool) -> [f64; 5] {
+    pub fn along(&self, center: DVec3, radius2: f64, starts_on: bool) -> [f64; 5] {
         let Self { start, middle, end, middle2, both, end2, w } = *self;
         let from = start - center;
         let excess = from.length_squared() - radius2;
-        let excess = if leaves { 0.0 } else { excess };
+        let excess = if starts_on { 0.0 } else { excess };
         let (to_middle, to_end) = (from.dot(middle), from.dot(end));
         let first = w * (excess + to_middle);
         let at_middle = excess + (to_middle + to_middle) + middle2;
@@ -81,7 +81,7 @@ impl FromStart {
         let last = excess + (to_end + to_end) + end2;
         // Divided by s it is a cubic, whose degree is raised again.
         let cubic = [4.0 * first, second + second, 4.0 / 3.0 * third, last];
-        let pick = |left: f64, whole: f64| if leaves { left } else { whole };
+        let pick = |left: f64, whole: f64| if starts_on { left } else { whole };
         [
             pick(cubic[0], excess),
             pick(0.25 * cubic[0] + 0.75 * cubic[1], first),
@@ -94,9 +94,9 @@ impl FromStart {
 
 /// First crossing of `sphere` by `arc`; infinite if there is none.
 #[inline(always)]
-pub fn cross_arc(arc: &Arc, sphere: &Sphere, leaves: bool) -> f64 {
+pub fn cross_arc(arc: &Arc, sphere: &Sphere, starts_on: bool) -> f64 {
     let radius2 = sphere.radius * sphere.radius;
-    first_sign_change(FromStart::of(arc).along(sphere.center, radius2, leaves)).unwrap_or(f64::INFINITY)
+    first_sign_change(FromStart::of(arc).along(sphere.center, radius2, starts_on)).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -91,12 +91,12 @@ impl Frame {
 /// By the signed volumes of Möller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection": nothing is
 /// divided before it is known to be a hit.
 #[inline(always)]
-pub fn cross_line(line: &Line, triangle: &Triangle, leaves: bool) -> f64 {
+pub fn cross_line(line: &Line, triangle: &Triangle, starts_on: bool) -> f64 {
     let [corner, b, c] = triangle.corners();
     let (along, e1, e2, from) = (line.p2 - line.p0, b - corner, c - corner, line.p0 - corner);
     let (p, q) = (along.cross(e2), from.cross(e1));
     let (whole, u, v, start) = (e1.dot(p), from.dot(p), along.dot(q), e2.dot(q));
-    let crosses = !leaves & (positive(start) != positive(start - whole));
+    let crosses = !starts_on & (positive(start) != positive(start - whole));
     let front = if positive(whole) { 1.0 } else { -1.0 };
     let (u, v, whole_area) = (front * u, front * v, front * whole);
     // Edges are widened by the rounding of the volumes, so that no ray slips between two triangles.
@@ -114,11 +114,11 @@ fn largest(v: DVec3) -> f64 {
 
 /// First crossing of `triangle` by `arc`; infinite if there is none.
 #[inline(always)]
-pub fn cross_arc(arc: &Arc, triangle: &Triangle, leaves: bool) -> f64 {
+pub fn cross_arc(arc: &Arc, triangle: &Triangle, starts_on: bool) -> f64 {
     let frame = triangle.frame();
     let height = |p: DVec3| frame.normal.dot(p - frame.corner);
-    let start = if leaves { 0.0 } else { height(arc.p0) };
-    let [first, second] = cross_plane(start, arc.w * height(arc.p1), height(arc.p2), leaves);
+    let start = if starts_on { 0.0 } else { height(arc.p0) };
+    let [first, second] = cross_plane(start, arc.w * height(arc.p1), height(arc.p2), starts_on);
     if first < f64::INFINITY && frame.holds(arc.point(first)) {
         first
     } else if second < f64::INFINITY && frame.holds(arc.point(second)) {
@@ -133,9 +133,9 @@ pub fn cross_arc(arc: &Arc, triangle: &Triangle, leaves: bool) -> f64 {
 ///
 /// `leaves`: the root at 0 (where `start` vanishes) does not count.
 #[inline(always)]
-pub fn cross_plane(start: f64, middle: f64, end: f64, leaves: bool) -> [f64; 2] {
+pub fn cross_plane(start: f64, middle: f64, end: f64, starts_on: bool) -> [f64; 2] {
     const NONE: f64 = f64::INFINITY;
-    if leaves {
+    if starts_on {
         // Divided by s: (1−s) 2 middle + s end.
         let crosses = positive(middle) != positive(end);
         return [if crosses { 2.0 * middle / (2.0 * middle - end) } else { NONE }, NONE];

@@ -9,7 +9,7 @@ use super::receiver::Receiver;
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
 use crate::math::frame::tangents;
-use crate::math::turn;
+use crate::math::sin_cos_turns;
 
 /// An emitting primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,7 +156,7 @@ impl Emitter {
                 let (tangent, bitangent) = tangents(disk.normal);
                 let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
                 let radius = (inner2 + u * (outer2 - inner2)).sqrt();
-                let (sin, cos) = turn::sin_cos(v);
+                let (sin, cos) = sin_cos_turns::sin_cos(v);
                 (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
             }
             Form::Whole(Shape::Triangle([a, b, c])) => {
@@ -214,7 +214,7 @@ pub fn luminance(colour: Vec3) -> f64 {
 fn around(axis: DVec3, height: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(axis);
     let sin = (height * (2.0 - height)).max(0.0).sqrt();
-    let (s, c) = turn::sin_cos(v);
+    let (s, c) = sin_cos_turns::sin_cos(v);
     sin * (c * tangent + s * bitangent) + (1.0 - height) * axis
 }
 

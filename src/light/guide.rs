@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 use glam::{DMat2, DVec2, DVec3};
 
 use crate::math::frame::tangents;
-use crate::math::turn;
+use crate::math::sin_cos_turns;
 
 /// A photon where it landed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub struct Photon {
 #[derive(Clone, Debug, Default)]
 pub struct Guide {
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
+    origin_prim: Vec<Leaf>,
     lobes: Vec<Lobe>,
 }
 
@@ -107,13 +107,13 @@ impl Guide {
         let mut guide = Self::default();
         let mut counts = Vec::new();
         guide.split(&mut specular, &mut counts);
-        let mut direct = vec![0usize; guide.leaves.len()];
+        let mut direct = vec![0usize; guide.origin_prim.len()];
         for photon in photons.iter().filter(|photon| photon.way.is_none()) {
             if let Some(leaf) = guide.leaf_index(photon.position) {
                 direct[leaf] += 1;
             }
         }
-        for ((leaf, specular), direct) in guide.leaves.iter_mut().zip(counts).zip(direct) {
+        for ((leaf, specular), direct) in guide.origin_prim.iter_mut().zip(counts).zip(direct) {
             let specular = CAUTION * specular as f64;
             leaf.share = (specular / (specular + direct as f64)).clamp(SHARES.0, SHARES.1);
         }
@@ -122,7 +122,7 @@ impl Guide {
 
     /// Neighbourhood of `x`; `None` if no photon landed near it.
     pub fn around(&self, x: DVec3) -> Option<Neighbourhood<'_>> {
-        let leaf = self.leaves[self.leaf_index(x)?];
+        let leaf = self.origin_prim[self.leaf_index(x)?];
         let lobes = &self.lobes[leaf.first as usize..][..leaf.count as usize];
         Some(Neighbourhood { share: leaf.share, lobes })
     }
@@ -136,7 +136,7 @@ impl Guide {
                     node = if x[axis] < at { node + 1 } else { above as usize }
                 }
                 Node::Leaf(leaf) => {
-                    let Leaf { middle, reach, .. } = self.leaves[leaf as usize];
+                    let Leaf { middle, reach, .. } = self.origin_prim[leaf as usize];
                     return (x.distance_squared(middle) <= reach * reach).then_some(leaf as usize);
                 }
             }
@@ -152,7 +152,7 @@ impl Guide {
         let axis = (high - low).max_position();
         if photons.len() <= LEAF || low[axis] == high[axis] {
             counts.push(photons.len());
-            self.nodes.push(Node::Leaf(self.leaves.len() as u32));
+            self.nodes.push(Node::Leaf(self.origin_prim.len() as u32));
             self.add_leaf(photons, 0.5 * (low + high), low.distance(high));
             return;
         }
@@ -177,7 +177,7 @@ impl Guide {
             self.lobes.extend(Lobe::fit(way, way.len() as f64 / photons.len() as f64));
         }
         let count = self.lobes.len() as u32 - first;
-        self.leaves.push(Leaf { middle, reach: diagonal, first, count, share: 0.0 });
+        self.origin_prim.push(Leaf { middle, reach: diagonal, first, count, share: 0.0 });
     }
 }
 
@@ -271,7 +271,7 @@ impl Lobe {
     /// within 1, and none is out of reach.
     fn sample(&self, x: DVec3, u: f64, v: f64) -> DVec3 {
         let t = (u / (1.0 - u)).sqrt();
-        let (sin, cos) = turn::sin_cos(v);
+        let (sin, cos) = sin_cos_turns::sin_cos(v);
         let y = self.middle_at(x) + self.shape * (t * DVec2::new(cos, sin));
         (self.axis + y.x * self.plane[0] + y.y * self.plane[1]).normalize()
     }

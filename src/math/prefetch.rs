@@ -6,7 +6,7 @@ const LINE: usize = 64;
 
 /// Starts to bring `value` into the cache; nothing where the instruction set has no word for it.
 ///
-/// The only unsafe code of the program. A search of a mesh waits for memory, and walks go by turns so that each can ask for
+/// The only unsafe code of the program. A search of a mesh waits for memory, and interleaved traversals let each ask for
 /// what it needs next: without this, whole renders of 327 680 triangles take a tenth to a sixth longer (`render
 /// tests/data/flat/cornell_bumpy_c.glb --light-sampling off --max-depth 8`, with a hole and without).
 #[inline(always)]

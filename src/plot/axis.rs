@@ -75,13 +75,16 @@ impl Axis {
 
     fn linear_ticks(&self, length: f64) -> Vec<Tick> {
         let [first, last] = self.range;
-        let rough = (last - first) * APART / length;
-        if !(rough.is_finite() && rough > 0.0) {
+        let fast_log2 = (last - first) * APART / length;
+        if !(fast_log2.is_finite() && fast_log2 > 0.0) {
             return Vec::new();
         }
-        let decade = libm::pow(10f64, libm::log10(rough).floor());
-        let step =
-            [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|&s| s >= rough).unwrap_or(10.0 * decade);
+        let decade = libm::pow(10f64, libm::log10(fast_log2).floor());
+        let step = [1.0, 2.0, 5.0]
+            .map(|m| m * decade)
+            .into_iter()
+            .find(|&s| s >= fast_log2)
+            .unwrap_or(10.0 * decade);
         let decimals = (-libm::log10(step).floor()).clamp(0.0, 12.0) as usize;
         let indices = (first / step).ceil() as i64..=(last / step).floor() as i64;
         indices

@@ -41,7 +41,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
     check_outside_horizon(&world, &camera)?;
     let (punctual, hidden) = lights(&mut world)?;
-    world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
+    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
     warn_if_dark(&mut world, &primitives, &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
@@ -111,7 +111,7 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
     Ok((primitives, shaped))
 }
 
-/// The lights without extent in the order of spawning, and the names of those that no light leaves, since they are in a
+/// The punctual lights in the order of spawning, and the names of those that no light leaves, since they are in a
 /// black hole; those whose direction a scale of 0 loses are left out with a warning.
 fn lights(world: &mut World) -> Result<(Vec<Punctual>, Vec<String>), Fault> {
     let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();

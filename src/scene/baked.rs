@@ -20,7 +20,7 @@ pub struct Baked {
     pub materials: Vec<Material>,
     /// Entity names, indexed by [`crate::geometry::Surface::entity`].
     pub entities: Vec<String>,
-    /// Lights without extent, in the order of the scene.
+    /// Punctual lights, in the order of the scene.
     pub punctual: Vec<Punctual>,
     /// Light from infinity.
     pub environment: Environment,

@@ -44,7 +44,7 @@ pub struct MaterialHandle(pub u32);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshShape(pub Vec<(MeshHandle, MaterialHandle)>);
 
-/// A light without extent, in entity space.
+/// A punctual light, in entity space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightShape(pub Punctual);
 

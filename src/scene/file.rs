@@ -263,7 +263,7 @@ pub struct EntityTable {
     pub gltf: Option<Text>,
     /// A flat annulus.
     pub disk: Option<DiskTable>,
-    /// A light without extent.
+    /// A punctual light.
     pub light: Option<Spanned<LightTable>>,
     /// Factor on the lights of a glTF file; 1/683 if absent.
     pub light_scale: Option<Number>,

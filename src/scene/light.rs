@@ -1,4 +1,4 @@
-//! `light = { ... }` of an entity → a light without extent.
+//! `light = { ... }` of an entity → a punctual light.
 
 use std::ops::Range;
 

@@ -107,7 +107,7 @@ impl World {
         self.materials.get(handle.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Whether any surface or light without extent emits light.
+    /// Whether any surface or punctual light emits light.
     pub fn emits(&self) -> bool {
         let meshes = |shape: &MeshShape| shape.0.iter().any(|(_, material)| self.material(*material).emits());
         self.entities.query::<&MaterialHandle>().iter().any(|material| self.material(*material).emits())

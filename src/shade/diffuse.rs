@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::math::frame::tangents;
-use crate::math::turn;
+use crate::math::sin_cos_turns;
 
 /// A direction around the unit vector `normal` with density cos θ/π, from two numbers in [0, 1).
 ///
@@ -11,7 +11,7 @@ use crate::math::turn;
 pub fn sample(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(normal);
     let radius = u.sqrt();
-    let (sin, cos) = turn::sin_cos(v);
+    let (sin, cos) = sin_cos_turns::sin_cos(v);
     radius * (cos * tangent + sin * bitangent) + (1.0 - u).sqrt() * normal
 }
 

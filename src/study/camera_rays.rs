@@ -145,7 +145,7 @@ impl ExactEnds {
         let rays: Vec<Ray> = (0..width * height)
             .map(|index| {
                 let (position, direction) = scene.camera.ray(center(index) / size, size.x / size.y);
-                Ray { position, direction, leaves: PrimitiveId::NONE }
+                Ray { position, direction, origin_prim: PrimitiveId::NONE }
             })
             .collect();
         let ends = shoot(scene, &rays);

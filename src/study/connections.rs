@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 
 use crate::geodesic::{Connection, Lens};
-use crate::math::exact;
+use crate::math::cross_exact;
 use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
@@ -129,7 +129,7 @@ impl Joiner {
             let cause = "the points are the same to rounding".to_owned();
             return Err(Fault { input: Input::Both, cause, remedy: "give two points".to_owned() });
         }
-        let spin = exact::cross(x, y).length();
+        let spin = cross_exact::cross(x, y).length();
         for (parameter, value) in spacetime.parameters() {
             let input = Input::Parameter(parameter.column);
             match parameter.range {

@@ -7,11 +7,11 @@ use glam::{DVec2, DVec3};
 
 use super::table::{Row, Table};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
-use crate::geometry::{Cut, Plane, PrimitiveId};
+use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
 use crate::scene::Baked;
 use crate::spacetime::{ConformallyFlat, Metric};
-use crate::trace::{Fate, Ray, Trail, trails, transport::Outcome};
+use crate::trace::{Fate, Polyline, Ray, polylines, transport::Outcome};
 
 /// Which rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +43,9 @@ pub enum FanError {
 
 /// A fan of rays, traced.
 pub struct Fan {
-    trails: Vec<Trail>,
+    polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
-    cuts: Vec<Cut>,
+    cuts: Vec<CrossSection>,
     view: View,
 }
 
@@ -110,17 +110,18 @@ impl Fan {
                 let forward = direction.dot(camera.forward);
                 let clear = near == 0.0 || forward > PARALLEL;
                 let position = if near > 0.0 { start + near / forward * direction } else { start };
-                clear.then_some(Ray { position, direction, leaves: PrimitiveId::NONE })
+                clear.then_some(Ray { position, direction, origin_prim: PrimitiveId::NONE })
             })
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;
-        let cuts = scene.geometry.cut(&Plane { point: view.origin, normal });
-        Ok(Self { trails: trails(scene, &rays), hole, cuts, view })
+        let cuts = scene.geometry.cross_section(&Plane { point: view.origin, normal });
+        Ok(Self { polylines: polylines(scene, &rays), hole, cuts, view })
     }
 
     /// How many rays there are of each fate that occurs, by name.
     pub fn fates(&self) -> Vec<(&'static str, usize)> {
-        let count = |fate: Fate| self.trails.iter().filter(|trail| Fate::of(&trail.end) == fate).count();
+        let count =
+            |fate: Fate| self.polylines.iter().filter(|polyline| Fate::of(&polyline.end) == fate).count();
         let counts = Fate::ALL.map(|fate| (fate.name(), count(fate)));
         counts.into_iter().filter(|(_, count)| *count > 0).collect()
     }
@@ -132,9 +133,9 @@ impl Fan {
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let reach = self.frame().reach();
         let mut rows = Vec::new();
-        for (ray, trail) in self.trails.iter().enumerate() {
-            let fate = Fate::of(&trail.end).name();
-            for (point, DVec3 { x, y, z }) in self.drawn(trail, reach).into_iter().enumerate() {
+        for (ray, polyline) in self.polylines.iter().enumerate() {
+            let fate = Fate::of(&polyline.end).name();
+            for (point, DVec3 { x, y, z }) in self.drawn(polyline, reach).into_iter().enumerate() {
                 let row = Row::default().cell("ray", ray).cell("point", point);
                 rows.push(row.cell("x", x).cell("y", y).cell("z", z).cell("fate", fate));
             }
@@ -143,12 +144,12 @@ impl Fan {
     }
 
     /// The points of a trail, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
-    fn drawn(&self, trail: &Trail, reach: f64) -> Vec<DVec3> {
-        let mut points = trail.points.clone();
-        if let (Outcome::Escaped(direction), Some(&last)) = (trail.end, points.last()) {
+    fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
+        let mut points = polyline.points.clone();
+        if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {
             match &self.hole {
                 Some((center, medium)) => {
-                    let way_out = way_out(medium, last - center, trail.heading, reach);
+                    let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
                 None => points.push(last + reach * direction),
@@ -166,12 +167,13 @@ impl Fan {
             curves: self.cuts.iter().filter_map(|cut| self.view.outline(cut, &frame)).collect(),
         }];
         for fate in Fate::ALL {
-            let rays: Vec<&Trail> = self.trails.iter().filter(|trail| Fate::of(&trail.end) == fate).collect();
+            let rays: Vec<&Polyline> =
+                self.polylines.iter().filter(|polyline| Fate::of(&polyline.end) == fate).collect();
             if rays.is_empty() {
                 continue;
             }
-            let curve = |trail: &&Trail| {
-                self.drawn(trail, frame.reach()).iter().map(|&p| self.view.place(p)).collect()
+            let curve = |polyline: &&Polyline| {
+                self.drawn(polyline, frame.reach()).iter().map(|&p| self.view.place(p)).collect()
             };
             series.push(Series {
                 name: format!("{} ({})", fate.name(), rays.len()),
@@ -210,21 +212,23 @@ impl Fan {
     /// What the picture shows: where rays start and end, and the hole; or the geometry; or a piece of a straight ray.
     fn frame(&self) -> Frame {
         let mut frame = Frame::NOTHING;
-        for trail in &self.trails {
-            let seen = if matches!(trail.end, Outcome::Landed(_)) { trail.points.len() } else { 1 };
-            trail.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
+        for polyline in &self.polylines {
+            let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
+            polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
         }
-        if let (Some((_, medium)), Some(trail)) = (self.hole, self.trails.first()) {
-            let distance = DVec2::from(self.view.place(trail.points[0])).length();
+        if let (Some((_, medium)), Some(polyline)) = (self.hole, self.polylines.first()) {
+            let distance = DVec2::from(self.view.place(polyline.points[0])).length();
             frame.hold(DVec2::ZERO, (AROUND_HOLE * medium.photon_sphere()).max(BESIDE_HOLE * distance));
         }
         if frame.reach() == 0.0 {
             for cut in &self.cuts {
                 match *cut {
-                    Cut::Line(ends) => {
+                    CrossSection::Line(ends) => {
                         ends.into_iter().for_each(|end| frame.hold(self.view.place(end).into(), 0.0))
                     }
-                    Cut::Circle { center, radius } => frame.hold(self.view.place(center).into(), radius),
+                    CrossSection::Circle { center, radius } => {
+                        frame.hold(self.view.place(center).into(), radius)
+                    }
                 }
             }
         }
@@ -300,15 +304,15 @@ impl View {
     }
 
     /// The part of a cut that the frame may show.
-    fn outline(&self, cut: &Cut, frame: &Frame) -> Option<Vec<[f64; 2]>> {
+    fn outline(&self, cut: &CrossSection, frame: &Frame) -> Option<Vec<[f64; 2]>> {
         match *cut {
-            Cut::Line(ends) => {
+            CrossSection::Line(ends) => {
                 let [a, b] = ends.map(|end| self.place(end));
                 let (low, high) = (DVec2::from(a).min(b.into()), DVec2::from(a).max(b.into()));
                 let seen = low.cmple(frame.max).all() && high.cmpge(frame.min).all();
                 seen.then(|| vec![a, b])
             }
-            Cut::Circle { center, radius } => {
+            CrossSection::Circle { center, radius } => {
                 // The circle meets the disc around the frame within this angle: walls may be huge spheres.
                 let center = DVec2::from(self.place(center));
                 let to_frame = 0.5 * (frame.min + frame.max) - center;

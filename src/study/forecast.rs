@@ -1,4 +1,4 @@
-//! How long a render will take, foretold from a short look at it.
+//! How long a render will take, estimated from a short look at it.
 
 use serde::Serialize;
 

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
+use crate::math::cross_exact;
 use crate::math::dual::Dual;
-use crate::math::exact;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{ConformallyFlat, Fate, Parameter, Range, SpacetimeKind, SpacetimeVisitor};
@@ -448,7 +448,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
 
 /// |x × d|/|d|.
 fn spin(x: DVec3, d: DVec3) -> f64 {
-    exact::cross(x, d).length() / d.length()
+    cross_exact::cross(x, d).length() / d.length()
 }
 
 /// Relative change of the angular momentum.

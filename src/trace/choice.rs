@@ -6,38 +6,38 @@ use super::curved::march::march;
 use super::curved::{Curved, Lane};
 use super::paper::PaperMarch;
 use super::straight::Straight;
-use super::transport::Errand;
+use super::transport::TransportVisitor;
 use crate::geodesic::{Arc, Control};
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
 use crate::spacetime::{Chart, ConformallyFlat, SpacetimeVisitor};
 
 /// Runs `errand` with the transport of a render.
-pub fn with_render_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
+pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
     // Without a sky nobody asks where rays go that leave.
     let sky = !scene.environment.is_black();
-    with_transport_to(scene, f64::INFINITY, sky, errand)
+    with_transport_to(scene, f64::INFINITY, sky, visitor)
 }
 
 /// Like [`with_render_transport`], in `medium` about `center` whatever the scene says of spacetime.
-pub fn with_medium<M: ConformallyFlat, E: Errand>(
+pub fn with_medium<M: ConformallyFlat, E: TransportVisitor>(
     scene: &Baked,
     (center, medium): (DVec3, M),
-    errand: E,
+    visitor: E,
 ) -> E::Output {
     let sky = !scene.environment.is_black();
-    Choice { scene, core: f64::INFINITY, sky, errand }.spherical(center, medium)
+    Choice { scene, core: f64::INFINITY, sky, visitor }.spherical(center, medium)
 }
 
 /// Runs `errand` with the transport that the scene's spacetime and settings call for.
-pub fn with_transport<E: Errand>(scene: &Baked, errand: E) -> E::Output {
-    with_transport_to(scene, f64::INFINITY, true, errand)
+pub fn with_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
+    with_transport_to(scene, f64::INFINITY, true, visitor)
 }
 
 /// Like [`with_transport`], with falling rays followed at least to the isotropic radius `core`, geometry or not, and
 /// leaving ones to infinity only for a `sky`.
-pub fn with_transport_to<E: Errand>(scene: &Baked, core: f64, sky: bool, errand: E) -> E::Output {
-    scene.spacetime.visit(Choice { scene, core, sky, errand })
+pub fn with_transport_to<E: TransportVisitor>(scene: &Baked, core: f64, sky: bool, visitor: E) -> E::Output {
+    scene.spacetime.visit(Choice { scene, core, sky, visitor })
 }
 
 /// The choice that [`with_transport_to`] makes, a family of spacetimes each.
@@ -45,26 +45,26 @@ struct Choice<'a, E> {
     scene: &'a Baked,
     core: f64,
     sky: bool,
-    errand: E,
+    visitor: E,
 }
 
-impl<E: Errand> SpacetimeVisitor for Choice<'_, E> {
+impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
     type Output = E::Output;
 
     fn flat(self) -> E::Output {
-        self.errand.run(Straight::new(self.scene.geometry.bounds()))
+        self.visitor.run(Straight::new(self.scene.geometry.bounds()))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
-        let Self { scene, core, sky, errand } = self;
+        let Self { scene, core, sky, visitor } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
         // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
         let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
         let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
         let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
         match scene.settings.precision {
-            Precision::F32 => place.run::<f32, E>(scene, errand),
-            Precision::F64 => place.run::<f64, E>(scene, errand),
+            Precision::F32 => place.run::<f32, E>(scene, visitor),
+            Precision::F64 => place.run::<f64, E>(scene, visitor),
         }
     }
 }
@@ -79,10 +79,10 @@ struct Place<M> {
 }
 
 impl<M: ConformallyFlat> Place<M> {
-    fn run<R: Lane, E: Errand>(&self, scene: &Baked, errand: E) -> E::Output {
+    fn run<R: Lane, E: TransportVisitor>(&self, scene: &Baked, visitor: E) -> E::Output {
         match self.curved::<R>(scene) {
-            Some(curved) => errand.run(curved),
-            None => errand.run(PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
+            Some(curved) => visitor.run(curved),
+            None => visitor.run(PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
         }
     }
 
@@ -101,7 +101,7 @@ impl<M: ConformallyFlat> Place<M> {
             center: self.center,
             sky: self.sky,
             chart: self.chart,
-            longest_sagitta: if scene.geometry.is_few::<Arc>() {
+            longest_sagitta: if scene.geometry.is_small::<Arc>() {
                 f64::INFINITY
             } else {
                 (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())

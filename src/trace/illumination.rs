@@ -47,9 +47,9 @@ impl Illumination {
     /// Light sampling for `scene` along the rays of `transport`; `None` where it is off or of no use.
     pub fn of<T: Transport>(scene: &Baked, transport: &T) -> Option<Self> {
         let settings = &scene.settings;
-        let is_lit =
+        let has_diffuse =
             scene.materials.iter().any(|material| material.spreads_light()) && settings.max_depth > 1;
-        if settings.light_sampling == LightSampling::Off || !is_lit {
+        if settings.light_sampling == LightSampling::Off || !has_diffuse {
             return None;
         }
         let straight = settings.light_sampling == LightSampling::Straight;
@@ -82,14 +82,14 @@ impl Illumination {
     /// those of the whole choice.
     pub fn sample(&self, receiver: &Receiver, [choice, u, v, w]: [f64; 4]) -> Option<LightSample> {
         let near = self.near(receiver);
-        let bent = near.map_or(0.0, |near| near.share);
-        if choice < bent {
-            let (direction, density) = near?.sample(receiver.position, [choice / bent, v, w])?;
-            let light = Incoming::Radiance(Vec3::ONE, bent * density);
+        let specular = near.map_or(0.0, |near| near.share);
+        if choice < specular {
+            let (direction, density) = near?.sample(receiver.position, [choice / specular, v, w])?;
+            let light = Incoming::Radiance(Vec3::ONE, specular * density);
             return Some(LightSample { direction, target: Target::ThroughSpecular, light });
         }
-        let direct = 1.0 - bent;
-        let numbers = [(choice - bent) / direct, u, v, w];
+        let direct = 1.0 - specular;
+        let numbers = [(choice - specular) / direct, u, v, w];
         let LightSample { direction, target, light } =
             self.sampler.sample(&self.lights, receiver, numbers)?;
         let light = match light {
@@ -103,9 +103,9 @@ impl Illumination {
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
     /// normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
-        let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.leaves };
+        let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);
-        if vertex.is_bent {
+        if vertex.after_specular {
             let density = |near: Neighbourhood| near.share * near.density(vertex.position, vertex.direction);
             return near.map_or(0.0, density);
         }

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::transport::{Landing, Transport};
-use crate::geometry::{Carrier, Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment};
+use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment, SupportingSurface};
 use crate::math::columns::{Columns, LANES, Row, columns};
 use crate::math::kernel::{Kernel, map};
 
@@ -84,8 +84,8 @@ columns! {
 impl Pose {
     /// Distance along the tangent to the carrier.
     #[inline(always)]
-    fn ahead(&self, carrier: &Carrier) -> f64 {
-        let (height, normal) = carrier.height(self.position);
+    fn ahead(&self, support: &SupportingSurface) -> f64 {
+        let (height, normal) = support.height(self.position);
         -height / normal.dot(self.tangent)
     }
 }
@@ -107,13 +107,13 @@ impl Correcting {
 }
 
 impl Kernel for Correcting {
-    type A = Carrier;
+    type A = SupportingSurface;
     type B = Pose;
     type Out = Part;
 
     #[inline(always)]
-    fn run(&self, carrier: &Carrier, pose: &Pose) -> Part {
-        let ahead = pose.ahead(carrier);
+    fn run(&self, support: &SupportingSurface, pose: &Pose) -> Part {
+        let ahead = pose.ahead(support);
         let is_near = (ahead * pose.inverse_scale).abs() < self.near;
         let shift = if is_near { 0.0 } else { ahead / pose.speed };
         Part { s: pose.s + shift, is_near }
@@ -125,16 +125,16 @@ impl Kernel for Correcting {
 struct Arriving;
 
 impl Kernel for Arriving {
-    type A = Carrier;
+    type A = SupportingSurface;
     type B = Pose;
     type Out = Arrival;
 
     #[inline(always)]
-    fn run(&self, carrier: &Carrier, pose: &Pose) -> Arrival {
-        let (tangent, ahead) = (pose.tangent, pose.ahead(carrier));
+    fn run(&self, support: &SupportingSurface, pose: &Pose) -> Arrival {
+        let (tangent, ahead) = (pose.tangent, pose.ahead(support));
         let turned = (ahead * pose.curvature) * pose.bend;
         let position = pose.position + ahead * (tangent + 0.5 * turned);
-        let (height, normal) = carrier.height(position);
+        let (height, normal) = support.height(position);
         let direction = tangent + turned;
         let direction = direction / direction.length();
         let position = position - (height / normal.dot(direction)) * direction;
@@ -147,7 +147,7 @@ pub struct RayLandings<S: Row> {
     /// Lanes and what they meet.
     pub hits: Vec<(usize, Found)>,
     spans: Columns<S>,
-    carriers: Columns<Carrier>,
+    supports: Columns<SupportingSurface>,
     parts: Columns<Part>,
     poses: Columns<Pose>,
     arrivals: Columns<Arrival>,
@@ -159,7 +159,7 @@ impl<S: Row> Default for RayLandings<S> {
         Self {
             hits: Vec::new(),
             spans: Columns::default(),
-            carriers: Columns::default(),
+            supports: Columns::default(),
             parts: Columns::default(),
             poses: Columns::default(),
             arrivals: Columns::default(),
@@ -175,9 +175,9 @@ fn approach<T: Retrace>(
     geometry: &Geometry,
     (flight, step): (&T::Flight, &T::Move),
     found: Found,
-) -> (T::Span, Carrier, Part) {
+) -> (T::Span, SupportingSurface, Part) {
     let s = transport.part_near(flight, step, found.point);
-    (transport.span(flight, step), geometry.carrier(found.primitive), Part { s, is_near: false })
+    (transport.span(flight, step), geometry.support(found.primitive), Part { s, is_near: false })
 }
 
 /// Moves a crossing from the segment to the ray, where that stays on the primitive and beside nothing else.
@@ -187,17 +187,17 @@ pub fn land_on_ray<T: Retrace>(
     ray: (&T::Flight, &T::Move),
     found: Found,
 ) -> Landing {
-    let (span, carrier, part) = approach(transport, geometry, ray, found);
+    let (span, support, part) = approach(transport, geometry, ray, found);
     let mut pose = transport.pose(&span, &part);
     let correcting = Correcting::to(transport.tolerance());
     for _ in 0..MOST_CORRECTIONS {
-        let part = correcting.run(&carrier, &pose);
+        let part = correcting.run(&support, &pose);
         if part.is_near {
             break;
         }
         pose = transport.pose(&span, &part);
     }
-    let arrival = Arriving.run(&carrier, &pose);
+    let arrival = Arriving.run(&support, &pose);
     let between = || first_between(geometry, found, &arrival);
     land(transport, geometry, found, &arrival, || (*ray.0, *ray.1), between)
 }
@@ -210,18 +210,18 @@ pub fn land_all_on_rays<T: Retrace>(
     landings: &mut RayLandings<T::Span>,
     mut each: impl FnMut(usize, Landing),
 ) {
-    let RayLandings { hits, spans, carriers, parts, poses, arrivals, between } = landings;
+    let RayLandings { hits, spans, supports, parts, poses, arrivals, between } = landings;
     let lanes = hits.len();
     spans.resize(lanes);
-    carriers.resize(lanes);
+    supports.resize(lanes);
     parts.resize(lanes);
     poses.resize(lanes);
     arrivals.resize(lanes);
     for (i, &(lane, found)) in hits.iter().enumerate() {
         let ray = (&flights.get(lane), &moves.get(lane));
-        let (span, carrier, part) = approach(transport, geometry, ray, found);
+        let (span, support, part) = approach(transport, geometry, ray, found);
         spans.set(i, span);
-        carriers.set(i, carrier);
+        supports.set(i, support);
         parts.set(i, part);
     }
     transport.pose_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
@@ -231,18 +231,18 @@ pub fn land_all_on_rays<T: Retrace>(
         for _ in 0..MOST_CORRECTIONS {
             let (part, pose) =
                 (&mut parts.blocks_mut(lanes)[of.clone()], &mut poses.blocks_mut(lanes)[of.clone()]);
-            map(&correcting, &carriers.blocks(lanes)[of.clone()], pose, part);
+            map(&correcting, &supports.blocks(lanes)[of.clone()], pose, part);
             if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| Part::get(&part[0], i).is_near) {
                 break;
             }
             transport.pose_all(&spans.blocks(lanes)[of.clone()], part, pose);
         }
     }
-    map(&Arriving, carriers.blocks(lanes), poses.blocks(lanes), arrivals.blocks_mut(lanes));
+    map(&Arriving, supports.blocks(lanes), poses.blocks(lanes), arrivals.blocks_mut(lanes));
     between.queries.gather(lanes, |i| {
         let Found { point, primitive } = hits[i].1;
         let segment = Line { p0: point, p2: arrivals.get(i).position };
-        Query { segment, leaves: primitive, need: Need::Whole }
+        Query { segment, origin_prim: primitive, need: Need::Whole }
     });
     geometry.search_all(between, lanes);
     for (i, &(lane, found)) in hits.iter().enumerate() {
@@ -275,7 +275,7 @@ fn land<T: Retrace>(
     if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
         // Both ends lie on the primitive's carrier: what shares that cannot stand between them.
         let shares_carrier = |other: PrimitiveId| {
-            let normal = |primitive| geometry.carrier(primitive).height(point).1;
+            let normal = |primitive| geometry.support(primitive).height(point).1;
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
         if geometry.covers(primitive, position) && between().is_none_or(shares_carrier) {

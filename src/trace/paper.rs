@@ -45,7 +45,7 @@ columns! {
         /// Coordinate time to advance next.
         step: f64,
         /// What the position lies on, until the first step is taken.
-        leaves: PrimitiveId,
+        origin_prim: PrimitiveId,
         /// Iterations so far.
         steps: u32,
     }
@@ -99,7 +99,7 @@ impl<M: ConformallyFlat> PaperMarch<M> {
             position,
             momentum,
             step: (GROW * flight.step).min(LARGEST_STEP),
-            leaves: PrimitiveId::NONE,
+            origin_prim: PrimitiveId::NONE,
             steps,
         })
     }
@@ -130,7 +130,7 @@ impl Kernel for Asking {
     #[inline(always)]
     fn run(&self, flight: &PaperFlight, step: &PaperMove) -> Query<Line> {
         let segment = Line { p0: flight.position + self.center, p2: step.ahead + self.center };
-        Query { segment, leaves: flight.leaves, need: Need::Whole }
+        Query { segment, origin_prim: flight.origin_prim, need: Need::Whole }
     }
 }
 
@@ -146,13 +146,13 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
         Lensed::new(self.medium, self.center, max_winding)
     }
 
-    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> PaperFlight {
+    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> PaperFlight {
         let x = position - self.center;
         PaperFlight {
             position: x,
             momentum: direction * self.medium.index(1.0 / x.length()),
             step: FIRST_STEP,
-            leaves,
+            origin_prim,
             steps: 0,
         }
     }
@@ -184,7 +184,7 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
         step: &Self::Move,
         mut search: impl FnMut(&Line, PrimitiveId) -> Option<Found>,
     ) -> Option<Found> {
-        search(&Line { p0: flight.position + self.center, p2: step.ahead + self.center }, flight.leaves)
+        search(&Line { p0: flight.position + self.center, p2: step.ahead + self.center }, flight.origin_prim)
     }
 
     #[inline(always)]

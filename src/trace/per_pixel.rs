@@ -42,7 +42,8 @@ fn trace_path<T: Transport>(
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
     let mut carried = T::Carried::default();
-    let mut flight = transport.launch(&Start { position, direction, leaves: PrimitiveId::NONE, carried });
+    let mut flight =
+        transport.launch(&Start { position, direction, origin_prim: PrimitiveId::NONE, carried });
     let mut vertex = Vertex::default();
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
@@ -52,7 +53,7 @@ fn trace_path<T: Transport>(
         if counters.steps.is_multiple_of(PATIENCE) && job.halt.is_due() {
             return None;
         }
-        let illumination = job.illumination.as_ref().filter(|_| vertex.is_lit);
+        let illumination = job.illumination.as_ref().filter(|_| vertex.light_ray_in_flight);
         record_step(
             &path,
             illumination.is_some(),
@@ -68,9 +69,10 @@ fn trace_path<T: Transport>(
                     continue;
                 }
                 Progress::Landed(landing) => {
-                    if let Some(direction) = light::bend(job, &mut path, &mut vertex, &landing) {
-                        let Landing { position, primitive: leaves, .. } = landing;
-                        flight = transport.launch(&Start { position, direction, leaves, carried: arrived });
+                    if let Some(direction) = light::through_specular(job, &mut path, &mut vertex, &landing) {
+                        let Landing { position, primitive: origin_prim, .. } = landing;
+                        flight =
+                            transport.launch(&Start { position, direction, origin_prim, carried: arrived });
                         continue;
                     }
                     false
@@ -82,8 +84,8 @@ fn trace_path<T: Transport>(
                 Progress::Ended(is_reached) => is_reached,
             };
             let Some(direction) = gather(&mut path, &mut vertex, is_reached) else { break };
-            let Vertex { position, leaves, .. } = vertex;
-            flight = transport.launch(&Start { position, direction, leaves, carried });
+            let Vertex { position, origin_prim, .. } = vertex;
+            flight = transport.launch(&Start { position, direction, origin_prim, carried });
             counters.rays += 1;
             continue;
         }
@@ -99,9 +101,9 @@ fn trace_path<T: Transport>(
                 match shade(job, &mut path, &mut vertex, &landing, &numbers, samples) {
                     Some(direction) => {
                         carried = arrived;
-                        let Landing { position, primitive: leaves, .. } = landing;
-                        flight = transport.launch(&Start { position, direction, leaves, carried });
-                        counters.count_ray(vertex.is_lit);
+                        let Landing { position, primitive: origin_prim, .. } = landing;
+                        flight = transport.launch(&Start { position, direction, origin_prim, carried });
+                        counters.count_ray(vertex.light_ray_in_flight);
                         continue;
                     }
                     None => break,

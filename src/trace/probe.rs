@@ -18,7 +18,7 @@ use super::run::{Run, Threads};
 use super::samples::Samples;
 use super::split::short_paths;
 use super::tile::TILE;
-use super::transport::{Errand, Transport};
+use super::transport::{Transport, TransportVisitor};
 use super::work::{Lattice, Share, Work};
 use super::worker::Workers;
 use crate::film::Wanted;
@@ -84,7 +84,7 @@ struct Prober<'a> {
     limit: Duration,
 }
 
-impl Errand for Prober<'_> {
+impl TransportVisitor for Prober<'_> {
     type Output = Probe;
 
     fn run<T: Transport + 'static>(self, transport: T) -> Probe {

@@ -18,7 +18,7 @@ use super::state::{State, TileState};
 use super::stats::Stats;
 use super::tile::Tile;
 use super::tracer::{Tracer, Tracing};
-use super::transport::{Errand, Transport};
+use super::transport::{Transport, TransportVisitor};
 use super::work::{Lattice, Share, Work};
 use super::worker::Workers;
 use crate::film::{Aov, Image, Wanted};
@@ -178,7 +178,7 @@ struct Opening<'a> {
     halt: Halt<'a>,
 }
 
-impl<'a> Errand for Opening<'a> {
+impl<'a> TransportVisitor for Opening<'a> {
     type Output = Box<dyn Tracer + 'a>;
 
     fn run<T: Transport + 'static>(self, transport: T) -> Box<dyn Tracer + 'a> {

@@ -9,7 +9,7 @@ use super::choice::with_transport;
 use super::halt::Halt;
 use super::stages::intersect::intersect;
 use super::stats::Counters;
-use super::transport::{Errand, Landing, Outcome, Start, Transport};
+use super::transport::{Landing, Outcome, Start, Transport, TransportVisitor};
 use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 
@@ -21,14 +21,14 @@ pub struct Ray {
     /// Unit direction in the static frame.
     pub direction: DVec3,
     /// What it starts on: [`PrimitiveId::NONE`] in free space.
-    pub leaves: PrimitiveId,
+    pub origin_prim: PrimitiveId,
 }
 
 impl Ray {
     /// Start of the ray, with nothing else said about it.
     pub(super) fn start<C: Default>(&self) -> Start<C> {
-        let Self { position, direction, leaves } = *self;
-        Start { position, direction, leaves, carried: C::default() }
+        let Self { position, direction, origin_prim } = *self;
+        Start { position, direction, origin_prim, carried: C::default() }
     }
 }
 
@@ -56,7 +56,7 @@ struct Shooting<'a> {
     rays: &'a [Ray],
 }
 
-impl Errand for Shooting<'_> {
+impl TransportVisitor for Shooting<'_> {
     type Output = Vec<Shot>;
 
     fn run<T: Transport + 'static>(self, transport: T) -> Vec<Shot> {

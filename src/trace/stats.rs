@@ -109,8 +109,8 @@ pub struct Stats {
 
 impl Counters {
     /// Counts a ray that a path sends out, to a light or onwards.
-    pub fn count_ray(&mut self, is_lit: bool) {
-        *(if is_lit { &mut self.light_rays } else { &mut self.rays }) += 1;
+    pub fn count_ray(&mut self, light_ray_in_flight: bool) {
+        *(if light_ray_in_flight { &mut self.light_rays } else { &mut self.rays }) += 1;
     }
 
     /// Adds another worker's counts.

@@ -22,7 +22,7 @@ columns! {
         /// Unit direction.
         direction: DVec3,
         /// What it starts on.
-        leaves: PrimitiveId,
+        origin_prim: PrimitiveId,
     }
 }
 
@@ -56,7 +56,7 @@ impl Kernel for Asking {
     #[inline(always)]
     fn run(&self, flight: &StraightFlight, step: &StraightMove) -> Query<Line> {
         let need = if step.end == flight.position { Need::Nothing } else { Need::Whole };
-        Query { segment: Line { p0: flight.position, p2: step.end }, leaves: flight.leaves, need }
+        Query { segment: Line { p0: flight.position, p2: step.end }, origin_prim: flight.origin_prim, need }
     }
 }
 
@@ -75,8 +75,8 @@ impl Transport for Straight {
     }
 
     #[inline(always)]
-    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> StraightFlight {
-        StraightFlight { position, direction, leaves }
+    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> StraightFlight {
+        StraightFlight { position, direction, origin_prim }
     }
 
     #[inline(always)]
@@ -119,7 +119,7 @@ impl Transport for Straight {
         if step.end == flight.position {
             return None;
         }
-        search(&Line { p0: flight.position, p2: step.end }, flight.leaves)
+        search(&Line { p0: flight.position, p2: step.end }, flight.origin_prim)
     }
 
     #[inline(always)]

@@ -31,14 +31,14 @@ pub fn media_around(scene: &Baked, place: DVec3) -> Media {
 /// The dielectrics around a line at its end, if it starts in none; `None` if it crosses too much.
 fn media_after(scene: &Baked, start: DVec3, end: DVec3) -> Option<Media> {
     let direction = (end - start).try_normalize()?;
-    let (mut position, mut leaves, mut media) = (start, PrimitiveId::NONE, Media::VACUUM);
+    let (mut position, mut origin_prim, mut media) = (start, PrimitiveId::NONE, Media::VACUUM);
     for _ in 0..MOST {
         let line = Line { p0: position, p2: end };
-        let Some(hit) = scene.geometry.intersect(&line, leaves) else { return Some(media) };
+        let Some(hit) = scene.geometry.intersect(&line, origin_prim) else { return Some(media) };
         position = line.point(hit.s);
         let landing = Landing { position, direction, primitive: hit.primitive };
         let meeting = meet(scene, &landing, media);
-        (leaves, media) = (meeting.primitive, meeting.incidence(direction, media).crossing.into);
+        (origin_prim, media) = (meeting.primitive, meeting.incidence(direction, media).crossing.into);
     }
     None
 }

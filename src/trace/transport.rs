@@ -64,7 +64,7 @@ pub struct Start<C = ()> {
     /// Unit direction in the static frame.
     pub direction: DVec3,
     /// The primitive it lies on.
-    pub leaves: PrimitiveId,
+    pub origin_prim: PrimitiveId,
     /// What the ray carries from there.
     pub carried: C,
 }
@@ -194,7 +194,7 @@ impl<T: Transport> Kernel for Advancing<'_, T> {
 }
 
 /// Something to be done with whichever transport a scene calls for.
-pub trait Errand {
+pub trait TransportVisitor {
     /// What it gives.
     type Output;
 
@@ -233,7 +233,7 @@ mod tests {
             /// Unit direction.
             direction: DVec3,
             /// What it starts on.
-            leaves: PrimitiveId,
+            origin_prim: PrimitiveId,
             /// Where it starts.
             side: Side,
         }
@@ -244,8 +244,8 @@ mod tests {
 
     impl Sided {
         fn straight(&self, flight: &SidedFlight) -> <Straight as Transport>::Flight {
-            let &SidedFlight { position, direction, leaves, .. } = flight;
-            self.0.launch(&Start { position, direction, leaves, carried: () })
+            let &SidedFlight { position, direction, origin_prim, .. } = flight;
+            self.0.launch(&Start { position, direction, origin_prim, carried: () })
         }
     }
 
@@ -263,8 +263,8 @@ mod tests {
         }
 
         fn launch(&self, start: &Start<Side>) -> SidedFlight {
-            let &Start { position, direction, leaves, carried: side } = start;
-            SidedFlight { position, direction, leaves, side }
+            let &Start { position, direction, origin_prim, carried: side } = start;
+            SidedFlight { position, direction, origin_prim, side }
         }
 
         fn advance(&self, flight: &SidedFlight) -> StraightMove {
@@ -296,9 +296,9 @@ mod tests {
         ) {
             for ((flights, moves), queries) in flights.iter().zip(moves).zip(queries) {
                 for lane in 0..LANES {
-                    let SidedFlight { position: p0, leaves, .. } = Row::get(flights, lane);
+                    let SidedFlight { position: p0, origin_prim, .. } = Row::get(flights, lane);
                     let StraightMove { end: p2 } = Row::get(moves, lane);
-                    let query = Query { segment: Line { p0, p2 }, leaves, need: Need::Whole };
+                    let query = Query { segment: Line { p0, p2 }, origin_prim, need: Need::Whole };
                     Query::set(queries, lane, query);
                 }
             }
@@ -345,7 +345,7 @@ mod tests {
         let start = Start {
             position: DVec3::new(-3.0, 0.0, 0.0),
             direction: DVec3::X,
-            leaves: PrimitiveId::NONE,
+            origin_prim: PrimitiveId::NONE,
             carried: Side::Near,
         };
         let mut batch = RayBatch::default();
@@ -354,10 +354,10 @@ mod tests {
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
             assert_eq!(ends, [(shot.end, side)]);
-            let Outcome::Landed(Landing { position, direction, primitive: leaves }) = shot.end else {
+            let Outcome::Landed(Landing { position, direction, primitive: origin_prim }) = shot.end else {
                 panic!("{:?}", shot.end)
             };
-            Start { position, direction: -direction, leaves, carried: side }
+            Start { position, direction: -direction, origin_prim, carried: side }
         };
         let there = fly(&start);
         assert!((there.position.x - 4.0).abs() < 1e-12 && there.carried == Side::Far, "{there:?}");

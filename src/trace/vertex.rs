@@ -17,7 +17,7 @@ columns! {
         /// Unit normal on the side that the path came from.
         normal: DVec3,
         /// The primitive it lies on.
-        leaves: PrimitiveId,
+        origin_prim: PrimitiveId,
         /// Whether the path goes on.
         continues: bool,
         /// Unit direction in which it does.
@@ -27,9 +27,9 @@ columns! {
         /// The probability with which a light ray was sent out.
         chance: f64,
         /// Whether the path has met mirrors or glass since.
-        is_bent: bool,
+        after_specular: bool,
         /// Whether the ray in flight is a light ray.
-        is_lit: bool,
+        light_ray_in_flight: bool,
         /// Ray segments of the path up to the light ray, that included.
         depth: u32,
         /// Dielectrics around the light ray.

@@ -54,7 +54,7 @@ struct Events<C> {
     /// Light rays that ended, at their target or not.
     lit: Vec<(usize, bool)>,
     /// Light rays that met mirrors or glass, or what they look for behind them.
-    bent: Vec<(usize, Landing)>,
+    specular: Vec<(usize, Landing)>,
     /// Light rays that left beyond mirrors and glass.
     gone: Vec<(usize, DVec3)>,
     escaped: Vec<(usize, DVec3)>,
@@ -113,12 +113,12 @@ impl<T: Transport> Wavefront<T> {
             lap.end(&mut times.intersect, self.live);
             self.settle(job, transport, samples, counters);
             lap.end(&mut times.settle, self.live);
-            let Events { landed, lit, bent, gone, escaped, ended, .. } = &self.events;
+            let Events { landed, lit, specular, gone, escaped, ended, .. } = &self.events;
             let (lost, met) =
-                (escaped.len() + ended.len(), landed.len() + lit.len() + bent.len() + gone.len());
+                (escaped.len() + ended.len(), landed.len() + lit.len() + specular.len() + gone.len());
             self.escape(job, samples);
             lap.end(&mut times.escape, lost);
-            self.bend(job);
+            self.through_specular(job);
             self.gather(counters);
             self.shade(job, samples, counters);
             transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
@@ -157,7 +157,7 @@ impl<T: Transport> Wavefront<T> {
             }
             self.exactly[lane] = true;
             let carried = T::Carried::default();
-            let start = Start { position, direction, leaves: PrimitiveId::NONE, carried };
+            let start = Start { position, direction, origin_prim: PrimitiveId::NONE, carried };
             self.events.starts.push((lane, start));
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
         }
@@ -177,12 +177,12 @@ impl<T: Transport> Wavefront<T> {
     fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
         self.record_steps(transport, samples);
         let lit = |vertices: &Columns<Vertex>, lane: usize| {
-            job.illumination.as_ref().filter(|_| vertices.get(lane).is_lit)
+            job.illumination.as_ref().filter(|_| vertices.get(lane).light_ray_in_flight)
         };
         let Self { flights, moves, vertices, arrived, search, exactly, live, events, scratch, .. } = self;
-        // Only lights without extent are passed.
+        // Only punctual lights are passed.
         if let Some(illumination) = job.illumination.as_ref().filter(|i| i.lights.has_points()) {
-            for lane in (0..*live).filter(|&lane| vertices.get(lane).is_lit) {
+            for lane in (0..*live).filter(|&lane| vertices.get(lane).light_ray_in_flight) {
                 let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
                 if light::passes_its_light(illumination, transport, ray, &vertices.get(lane)) {
                     events.lit.push((lane, true));
@@ -205,7 +205,7 @@ impl<T: Transport> Wavefront<T> {
                     match light::conclude(illumination, &vertices.get(lane), outcome) {
                         Progress::Flying(_) => {}
                         Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
-                        Progress::Landed(landing) => events.bent.push((lane, landing)),
+                        Progress::Landed(landing) => events.specular.push((lane, landing)),
                         Progress::Escaped(direction) => events.gone.push((lane, direction)),
                     }
                     return;
@@ -243,12 +243,13 @@ impl<T: Transport> Wavefront<T> {
             return;
         }
         for lane in 0..self.live {
-            let is_lit = !self.vertices.is_empty() && self.vertices.get(lane).is_lit;
+            let light_ray_in_flight =
+                !self.vertices.is_empty() && self.vertices.get(lane).light_ray_in_flight;
             let length = || {
                 let point = self.search.found[lane].map(|found| found.point);
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
-            record_step(&self.paths.get(lane), is_lit, length, samples);
+            record_step(&self.paths.get(lane), light_ray_in_flight, length, samples);
         }
     }
 
@@ -269,14 +270,14 @@ impl<T: Transport> Wavefront<T> {
     }
 
     /// Takes light rays through mirrors and glass.
-    fn bend(&mut self, job: &Job) {
-        for (lane, landing) in self.events.bent.drain(..) {
+    fn through_specular(&mut self, job: &Job) {
+        for (lane, landing) in self.events.specular.drain(..) {
             let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
-            match light::bend(job, &mut path, &mut vertex, &landing) {
+            match light::through_specular(job, &mut path, &mut vertex, &landing) {
                 Some(direction) => {
-                    let Landing { position, primitive: leaves, .. } = landing;
+                    let Landing { position, primitive: origin_prim, .. } = landing;
                     let carried = self.arrived[lane];
-                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
+                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
                 }
                 None => self.events.lit.push((lane, false)),
             }
@@ -297,10 +298,10 @@ impl<T: Transport> Wavefront<T> {
             let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
             match gather(&mut path, &mut vertex, is_reached) {
                 Some(direction) => {
-                    let Vertex { position, leaves, .. } = vertex;
+                    let Vertex { position, origin_prim, .. } = vertex;
                     self.exactly[lane] = true;
                     let carried = self.carried[lane];
-                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
+                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
                     counters.rays += 1;
                 }
                 None => self.events.finished.push(lane),
@@ -322,12 +323,12 @@ impl<T: Transport> Wavefront<T> {
             }
             match shade(job, &mut path, &mut vertex, &landing, &self.draws.vertex(place), samples) {
                 Some(direction) => {
-                    let Landing { position, primitive: leaves, .. } = landing;
-                    self.exactly[lane] = !vertex.is_lit || light::lands_exactly(&vertex);
+                    let Landing { position, primitive: origin_prim, .. } = landing;
+                    self.exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(&vertex);
                     let carried = self.arrived[lane];
                     self.carried[lane] = carried;
-                    self.events.starts.push((lane, Start { position, direction, leaves, carried }));
-                    counters.count_ray(vertex.is_lit);
+                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
+                    counters.count_ray(vertex.light_ray_in_flight);
                 }
                 None => self.events.finished.push(lane),
             }

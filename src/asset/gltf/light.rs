@@ -1,4 +1,4 @@
-//! Lights without extent (`KHR_lights_punctual`).
+//! Punctual lights (`KHR_lights_punctual`).
 
 use std::f32::consts::FRAC_PI_2;
 

@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use super::super::Chord;
-use super::super::screen::{max, min};
+use super::super::cull::{max, min};
 use super::node::{CELLS, Node, WIDTH};
 
 /// Components of the chord below this, beside the largest, are taken for it: the reciprocal times any coordinate is finite.

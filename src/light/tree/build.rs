@@ -37,20 +37,20 @@ impl Tree {
         let mut tree = Tree {
             root: None,
             nodes: Vec::new(),
-            trails: vec![0; count as usize],
+            polylines: vec![0; count as usize],
             origin: DVec3::ZERO,
             floor,
         };
         let Some((min, max, brightest)) = whole else { return tree };
         tree.origin = 0.5 * min + 0.5 * max;
-        let mut leaves: Vec<Leaf> = shining()
+        let mut origin_prim: Vec<Leaf> = shining()
             .map(|(emitter, Emission { min, max, .. })| Leaf { middle: 0.5 * min + 0.5 * max, emitter })
             .collect();
         let builder = Builder { emission, brightest, origin: tree.origin };
         // Every place is overwritten: a binary tree of n leaves has n − 1 pairs of children.
-        let placeholder = Node::new(&builder.cluster(&leaves[0]), tree.origin, Subtree::Emitter(0));
-        tree.nodes = vec![placeholder; 2 * leaves.len() - 2];
-        let (root, _) = builder.grow(&mut leaves, &mut tree.nodes, 0, 0);
+        let placeholder = Node::new(&builder.cluster(&origin_prim[0]), tree.origin, Subtree::Emitter(0));
+        tree.nodes = vec![placeholder; 2 * origin_prim.len() - 2];
+        let (root, _) = builder.grow(&mut origin_prim, &mut tree.nodes, 0, 0);
         tree.root = Some(root);
         tree.lay_trails(root);
         tree
@@ -61,7 +61,7 @@ impl Tree {
         let mut pending = vec![(root, 0, 0)];
         while let Some((subtree, way, depth)) = pending.pop() {
             match subtree {
-                Subtree::Emitter(emitter) => self.trails[emitter as usize] = way | 1 << depth,
+                Subtree::Emitter(emitter) => self.polylines[emitter as usize] = way | 1 << depth,
                 Subtree::Pair(first) => {
                     let child = |right: u32| self.nodes[(first + right) as usize].subtree;
                     pending.push((child(0), way, depth + 1));
@@ -96,13 +96,13 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
 
     /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first its
     /// two children, then what is below each.
-    fn grow(&self, leaves: &mut [Leaf], nodes: &mut [Node], at: u32, depth: u32) -> (Subtree, Cluster) {
-        if let [leaf] = leaves {
+    fn grow(&self, origin_prim: &mut [Leaf], nodes: &mut [Node], at: u32, depth: u32) -> (Subtree, Cluster) {
+        if let [leaf] = origin_prim {
             return (Subtree::Emitter(leaf.emitter), self.cluster(leaf));
         }
-        let count = leaves.len();
-        let cut = self.split(leaves, depth);
-        let (left, right) = leaves.split_at_mut(cut);
+        let count = origin_prim.len();
+        let cut = self.split(origin_prim, depth);
+        let (left, right) = origin_prim.split_at_mut(cut);
         let (pair, below) = nodes.split_at_mut(2);
         let (below_left, below_right) = below.split_at_mut(2 * cut - 2);
         let (at_left, at_right) = (at + 2, at + 2 * cut as u32);
@@ -117,46 +117,47 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
     }
 
     /// Puts at least two leaves in two parts, neither empty; how many are in the first.
-    fn split(&self, leaves: &mut [Leaf], depth: u32) -> usize {
+    fn split(&self, origin_prim: &mut [Leaf], depth: u32) -> usize {
         // A split may leave all but one on one side, and from there halving must reach the leaves.
         let levels_left = DEEPEST - depth;
-        let may_be_uneven = leaves.len() > 2 && log2_up(leaves.len() - 1) < levels_left;
-        let (low, high) = leaves.iter().fold((leaves[0].middle, leaves[0].middle), |(low, high), leaf| {
-            (low.min(leaf.middle), high.max(leaf.middle))
-        });
-        let cut = if may_be_uneven { self.cheapest_cut(leaves, low, high) } else { None };
+        let may_be_uneven = origin_prim.len() > 2 && log2_up(origin_prim.len() - 1) < levels_left;
+        let (low, high) =
+            origin_prim.iter().fold((origin_prim[0].middle, origin_prim[0].middle), |(low, high), leaf| {
+                (low.min(leaf.middle), high.max(leaf.middle))
+            });
+        let cut = if may_be_uneven { self.cheapest_cut(origin_prim, low, high) } else { None };
         if let Some(cut) = cut {
-            return partition(leaves, |leaf| cut.is_left(leaf));
+            return partition(origin_prim, |leaf| cut.is_left(leaf));
         }
-        let (half, axis) = (leaves.len() / 2, (high - low).max_position());
-        leaves.select_nth_unstable_by(half, |a, b| a.middle[axis].total_cmp(&b.middle[axis]));
+        let (half, axis) = (origin_prim.len() / 2, (high - low).max_position());
+        origin_prim.select_nth_unstable_by(half, |a, b| a.middle[axis].total_cmp(&b.middle[axis]));
         half
     }
 
     /// The cheapest cut along any axis; `None` if all middles, within `low` and `high`, are in one place.
-    fn cheapest_cut(&self, leaves: &[Leaf], low: DVec3, high: DVec3) -> Option<Cut> {
+    fn cheapest_cut(&self, origin_prim: &[Leaf], low: DVec3, high: DVec3) -> Option<CrossSection> {
         let extent = high - low;
-        let axes = [0, 1, 2].map(|axis| Cut {
+        let axes = [0, 1, 2].map(|axis| CrossSection {
             axis,
             low: low[axis],
             scale: BINS as f64 / extent[axis],
             first_right: 0,
         });
         let mut bins: [[Option<Cluster>; BINS]; 3] = [[None; BINS]; 3];
-        for leaf in leaves.iter().step_by(leaves.len().div_ceil(SAMPLE)) {
+        for leaf in origin_prim.iter().step_by(origin_prim.len().div_ceil(SAMPLE)) {
             let cluster = self.cluster(leaf);
             for (bins, axis) in bins.iter_mut().zip(&axes).filter(|(_, cut)| extent[cut.axis] > 0.0) {
                 let bin = &mut bins[axis.bin(leaf)];
                 *bin = Some(bin.map_or(cluster, |bin| bin.union(cluster)));
             }
         }
-        let mut best: Option<(f64, Cut)> = None;
+        let mut best: Option<(f64, CrossSection)> = None;
         for (bins, axis) in bins.iter().zip(axes) {
             // [C]: thin slices of long clusters are not worth what their cones say.
             let slimness = extent.max_element() / extent[axis.axis];
             let Some((cost, first_right)) = cheapest_bins(bins) else { continue };
             if best.as_ref().is_none_or(|(least, _)| slimness * cost < *least) {
-                best = Some((slimness * cost, Cut { first_right, ..axis }));
+                best = Some((slimness * cost, CrossSection { first_right, ..axis }));
             }
         }
         best.map(|(_, cut)| cut)
@@ -168,11 +169,11 @@ fn log2_up(n: usize) -> u32 {
 }
 
 /// Puts the leaves that `is_first` accepts before the others; how many they are.
-fn partition(leaves: &mut [Leaf], is_first: impl Fn(&Leaf) -> bool) -> usize {
+fn partition(origin_prim: &mut [Leaf], is_first: impl Fn(&Leaf) -> bool) -> usize {
     let mut first = 0;
-    for i in 0..leaves.len() {
-        if is_first(&leaves[i]) {
-            leaves.swap(first, i);
+    for i in 0..origin_prim.len() {
+        if is_first(&origin_prim[i]) {
+            origin_prim.swap(first, i);
             first += 1;
         }
     }
@@ -180,7 +181,7 @@ fn partition(leaves: &mut [Leaf], is_first: impl Fn(&Leaf) -> bool) -> usize {
 }
 
 /// A cut between two bins along an axis.
-struct Cut {
+struct CrossSection {
     axis: usize,
     low: f64,
     /// Bins per length.
@@ -189,7 +190,7 @@ struct Cut {
     first_right: usize,
 }
 
-impl Cut {
+impl CrossSection {
     fn bin(&self, leaf: &Leaf) -> usize {
         (((leaf.middle[self.axis] - self.low) * self.scale) as usize).min(BINS - 1)
     }

@@ -30,7 +30,7 @@ pub struct Tree {
     nodes: Vec<Node>,
     /// Of each emitter, the way from the root: the lowest bit is the first turn, 1 is right, and the highest bit set
     /// ends it. 0 for an emitter that is not in the tree.
-    trails: Vec<u64>,
+    polylines: Vec<u64>,
     /// The middle of everything, to which nodes are relative: f32 is then fine enough far from the world's origin too.
     origin: DVec3,
     floor: f64,
@@ -62,15 +62,15 @@ impl Tree {
     /// The probability with which `sample` chooses `emitter`, the same to the last bit; 0 if it is none of the tree's.
     pub fn probability(&self, emitter: u32, x: DVec3, normal: Option<DVec3>) -> f64 {
         let receiver = self.receiver(x, normal);
-        let mut trail = self.trails.get(emitter as usize).copied().unwrap_or(0);
-        let Some(mut subtree) = self.root.filter(|_| trail != 0) else { return 0.0 };
+        let mut polyline = self.polylines.get(emitter as usize).copied().unwrap_or(0);
+        let Some(mut subtree) = self.root.filter(|_| polyline != 0) else { return 0.0 };
         let mut probability = 1.0;
         while let Subtree::Pair(first) = subtree {
             let Some(chances) = self.chances(first, &receiver) else { return 0.0 };
-            let turn = (trail & 1) as usize;
+            let turn = (polyline & 1) as usize;
             probability *= chances[turn];
             subtree = self.nodes[first as usize + turn].subtree;
-            trail >>= 1;
+            polyline >>= 1;
         }
         probability
     }

@@ -71,9 +71,9 @@ impl Triangle {
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         let to = a + u * (b - a) + v * (c - a) - x;
         let direction = to.normalize();
-        let leaves = -direction.dot(self.doubled_area().normalize());
-        let leaves = if self.both_sides { leaves.abs() } else { leaves.max(0.0) };
-        self.radiance * leaves * normal.map_or(1.0, |n| n.dot(direction).max(0.0)) / to.length_squared()
+        let origin_prim = -direction.dot(self.doubled_area().normalize());
+        let origin_prim = if self.both_sides { origin_prim.abs() } else { origin_prim.max(0.0) };
+        self.radiance * origin_prim * normal.map_or(1.0, |n| n.dot(direction).max(0.0)) / to.length_squared()
     }
 }
 
@@ -105,7 +105,7 @@ fn spark(at: DVec3, power: f64) -> Emission {
 }
 
 fn probabilities(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> Vec<f64> {
-    (0..tree.trails.len() as u32).map(|emitter| tree.probability(emitter, x, normal)).collect()
+    (0..tree.polylines.len() as u32).map(|emitter| tree.probability(emitter, x, normal)).collect()
 }
 
 /// The probability that the choice ends without an emitter.
@@ -379,18 +379,18 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
         let all: Vec<Emission> =
             (0..100_000).map(|i| spark(DVec3::splat(ratio.powi(i)), ratio.powi(-(i % 400)))).collect();
         let tree = build(&all, 0.0);
-        let mut trails = tree.trails.clone();
-        trails.sort_unstable();
-        trails.dedup();
-        assert_eq!(trails.len(), all.len());
+        let mut polylines = tree.polylines.clone();
+        polylines.sort_unstable();
+        polylines.dedup();
+        assert_eq!(polylines.len(), all.len());
         assert_eq!(tree.nodes.len(), 2 * all.len() - 2);
-        for (emitter, &trail) in tree.trails.iter().enumerate().step_by(97) {
-            let (mut subtree, mut trail) = (tree.root.expect("there are emitters"), trail);
+        for (emitter, &polyline) in tree.polylines.iter().enumerate().step_by(97) {
+            let (mut subtree, mut polyline) = (tree.root.expect("there are emitters"), polyline);
             while let Subtree::Pair(first) = subtree {
-                subtree = tree.nodes[first as usize + (trail & 1) as usize].subtree;
-                trail >>= 1;
+                subtree = tree.nodes[first as usize + (polyline & 1) as usize].subtree;
+                polyline >>= 1;
             }
-            assert!(matches!((subtree, trail), (Subtree::Emitter(found), 1) if found as usize == emitter));
+            assert!(matches!((subtree, polyline), (Subtree::Emitter(found), 1) if found as usize == emitter));
         }
     }
 }

@@ -44,7 +44,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Committing<'_, M, R> {
             pull: phase.pull,
             h: next_h,
             error: pick(step.error, flight.error),
-            leaves: if taken { PrimitiveId::NONE } else { flight.leaves },
+            origin_prim: if taken { PrimitiveId::NONE } else { flight.origin_prim },
             steps: flight.steps + 1,
             turn: self.turn(flight, taken, &phase, next_h),
             ..*flight

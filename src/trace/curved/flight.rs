@@ -54,7 +54,7 @@ columns! {
         /// How the ray ends if nothing is in its way.
         fate: Fate,
         /// What the position lies on, until the first step is taken.
-        leaves: PrimitiveId,
+        origin_prim: PrimitiveId,
         /// Steps so far, rejected ones included.
         steps: u32,
         /// What became of it in the last of them.

@@ -18,7 +18,7 @@ columns! {
         /// Unit direction in the static frame.
         direction: DVec3,
         /// The primitive it lies on.
-        leaves: PrimitiveId,
+        origin_prim: PrimitiveId,
     }
 }
 
@@ -60,7 +60,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Launching<'_, M, R> {
             h: self.curved.within(h, b, &phase),
             error: R::of(1.0),
             fate,
-            leaves: start.leaves,
+            origin_prim: start.origin_prim,
             steps: 0,
             turn: Turn::Flies,
         }

@@ -82,7 +82,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
         let whole = if self.0.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
         let may = self.0.is_searched(flight, step) & self.0.may_meet(&segment);
         let need = if may { whole } else { Need::Nothing };
-        Query { segment, leaves: flight.leaves, need }
+        Query { segment, origin_prim: flight.origin_prim, need }
     }
 }
 
@@ -107,8 +107,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         Lensed::new(self.medium, self.center, max_winding)
     }
 
-    fn launch(&self, &Start { position, direction, leaves, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&Place { position, direction, leaves }, &())
+    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
+        Launching::of(self).run(&Place { position, direction, origin_prim }, &())
     }
 
     fn launch_all(
@@ -120,8 +120,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         let Scratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
         places.gather(lanes, |i| {
-            let (_, Start { position, direction, leaves, carried: () }) = starts[i];
-            Place { position, direction, leaves }
+            let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
+            Place { position, direction, origin_prim }
         });
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
@@ -161,7 +161,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         if !self.is_searched(flight, step) {
             return None;
         }
-        self.sweep(&self.arc(flight, step), flight.leaves, 0, &mut search)
+        self.sweep(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
     }
 
     #[inline(always)]

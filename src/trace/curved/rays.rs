@@ -78,7 +78,13 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     }
 
     /// Searches an arc, in halves if it is thick or long beside the geometry.
-    pub fn sweep<F>(&self, arc: &Arc, leaves: PrimitiveId, halvings: u32, search: &mut F) -> Option<Found>
+    pub fn sweep<F>(
+        &self,
+        arc: &Arc,
+        origin_prim: PrimitiveId,
+        halvings: u32,
+        search: &mut F,
+    ) -> Option<Found>
     where
         F: FnMut(&Arc, PrimitiveId) -> Option<Found>,
     {
@@ -87,10 +93,10 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
         if self.is_split(arc, halvings) {
             let (left, right) = arc.halves();
-            let first = self.sweep(&left, leaves, halvings + 1, search);
+            let first = self.sweep(&left, origin_prim, halvings + 1, search);
             return first.or_else(|| self.sweep(&right, PrimitiveId::NONE, halvings + 1, search));
         }
-        search(arc, leaves)
+        search(arc, origin_prim)
     }
 
     /// A length of at most `h` for the next step: far outside the geometry, rays go to its edge in one step, and on

@@ -123,7 +123,7 @@ mod tests {
     use crate::trace::job::Job;
     use crate::trace::render::render;
     use crate::trace::run::Run;
-    use crate::trace::transport::{Errand, Transport};
+    use crate::trace::transport::{Transport, TransportVisitor};
     use crate::trace::worker::Workers;
 
     /// Samples per pixel without short paths to the edges of lamps, and with them.
@@ -170,7 +170,7 @@ mod tests {
     /// The red plane of a picture, without short paths.
     struct Whole<'a>(&'a Baked);
 
-    impl Errand for Whole<'_> {
+    impl TransportVisitor for Whole<'_> {
         type Output = Vec<f64>;
 
         fn run<T: Transport + 'static>(self, transport: T) -> Vec<f64> {

@@ -138,8 +138,8 @@ impl Shower<'_> {
         let mut way = Way::default();
         way.add(self.scene.geometry.surface(emitter.primitive).entity);
         let photon = Flying { index, hops: 0, media: Media::VACUUM, way };
-        let (position, leaves) = (spot.position, emitter.primitive);
-        Some((photon, Start { position, direction, leaves, carried: C::default() }))
+        let (position, origin_prim) = (spot.position, emitter.primitive);
+        Some((photon, Start { position, direction, origin_prim, carried: C::default() }))
     }
 
     fn land<C>(&self, photon: Flying, landing: &Landing, carried: C) -> Event<C> {
@@ -159,10 +159,10 @@ impl Shower<'_> {
         let bounce = shade::scatter(materials, &incidence, self.numbers(index, 2 + hops));
         let Some(bounce) = bounce.filter(|_| hops < MOST_HOPS) else { return Event::IsLost };
         way.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
-        let &Landing { position, primitive: leaves, .. } = landing;
+        let &Landing { position, primitive: origin_prim, .. } = landing;
         Event::Goes(
             Flying { index, hops: hops + 1, media: bounce.media, way },
-            Start { position, direction: bounce.direction, leaves, carried },
+            Start { position, direction: bounce.direction, origin_prim, carried },
         )
     }
 }

@@ -63,7 +63,8 @@ pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumina
 fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
     let scene = job.scene;
     let (mut path, position, direction) = generate(job, work, pixel);
-    let mut start = Start { position, direction, leaves: PrimitiveId::NONE, carried: T::Carried::default() };
+    let mut start =
+        Start { position, direction, origin_prim: PrimitiveId::NONE, carried: T::Carried::default() };
     let mut met = Vec::new();
     loop {
         if job.halt.is_due() {
@@ -80,8 +81,8 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
         let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
-        let Landing { position, primitive: leaves, .. } = landing;
-        start = Start { position, direction: bounce.direction, leaves, carried };
+        let Landing { position, primitive: origin_prim, .. } = landing;
+        start = Start { position, direction: bounce.direction, origin_prim, carried };
     }
 }
 

@@ -15,9 +15,9 @@ pub fn intersect<T: Transport>(
     counters: &mut Counters,
 ) -> Option<Found> {
     counters.steps += 1;
-    transport.search(flight, step, |segment, leaves| {
+    transport.search(flight, step, |segment, origin_prim| {
         counters.queries += 1;
-        let hit = geometry.intersect(segment, leaves)?;
+        let hit = geometry.intersect(segment, origin_prim)?;
         Some(Found { point: segment.point(hit.s), primitive: hit.primitive })
     })
 }

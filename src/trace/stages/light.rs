@@ -130,11 +130,11 @@ pub fn conclude<Flight>(
     vertex: &Vertex,
     outcome: Outcome<Flight>,
 ) -> Progress<Flight> {
-    let is_bent = vertex.target == Target::ThroughSpecular;
+    let after_specular = vertex.target == Target::ThroughSpecular;
     match outcome {
         Outcome::Flying(next) => Progress::Flying(next),
-        Outcome::Landed(landing) if is_bent => Progress::Landed(landing),
-        Outcome::Escaped(direction) if is_bent => Progress::Escaped(direction),
+        Outcome::Landed(landing) if after_specular => Progress::Landed(landing),
+        Outcome::Escaped(direction) if after_specular => Progress::Escaped(direction),
         Outcome::Landed(landing) => Progress::Ended(illumination.reaches(vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(_) => Progress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_))),
@@ -145,13 +145,13 @@ pub fn conclude<Flight>(
 /// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in which
 /// it goes on, or `None` if it ends.
 #[inline]
-pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
+pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;
     let meeting = meet(job.scene, landing, vertex.media);
     let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, vertex.media));
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
-    if vertex.is_bent && (front || material.emits_both_sides) {
+    if vertex.after_specular && (front || material.emits_both_sides) {
         let source = Source { emitter: Emitter::Surface(meeting.primitive), segments: vertex.depth };
         deposit(path, source, || vertex.brings * material.emission);
     }
@@ -163,14 +163,14 @@ pub fn bend(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
     vertex.brings *= bounce.weight;
     vertex.media = bounce.media;
     vertex.depth += 1;
-    vertex.is_bent = true;
+    vertex.after_specular = true;
     (vertex.brings != Vec3::ZERO).then_some(bounce.direction)
 }
 
 /// Adds what a light ray that went through mirrors and glass sees in the unit `direction` at infinity.
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
-    if vertex.is_bent && !job.scene.environment.is_black() {
+    if vertex.after_specular && !job.scene.environment.is_black() {
         let source = Source { emitter: Emitter::Infinity, segments: vertex.depth };
         deposit(path, source, || vertex.brings * job.scene.environment.radiance(direction));
     }

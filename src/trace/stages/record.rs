@@ -41,11 +41,16 @@ pub fn record_end(job: &Job, path: &Path, fate: Fate, samples: &mut Samples) {
 
 /// Adds a step, of a light ray or not, and for camera rays its length, computed only if wanted.
 #[inline]
-pub fn record_step(path: &Path, is_lit: bool, length: impl FnOnce() -> f64, samples: &mut Samples) {
+pub fn record_step(
+    path: &Path,
+    light_ray_in_flight: bool,
+    length: impl FnOnce() -> f64,
+    samples: &mut Samples,
+) {
     if samples.needs().steps {
         samples.steps[path.slot as usize] += 1;
     }
-    if samples.needs().length && path.depth == 1 && !is_lit {
+    if samples.needs().length && path.depth == 1 && !light_ray_in_flight {
         samples.camera_rays[path.slot as usize].length += length();
     }
 }

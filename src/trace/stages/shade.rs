@@ -48,7 +48,7 @@ pub fn shade(
         return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     };
     if is_specular && illumination.is_guided() {
-        vertex.is_bent = true;
+        vertex.after_specular = true;
         return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     }
     let (depth, chance) = (path.depth + 1, light::chance(path));
@@ -57,13 +57,13 @@ pub fn shade(
     *vertex = Vertex {
         position: landing.position,
         normal: incidence.facing().0,
-        leaves: landing.primitive,
+        origin_prim: landing.primitive,
         continues: bounce.is_some(),
         direction: bounce.map_or(DVec3::ZERO, |bounce| bounce.direction),
         density: bounce.map_or(0.0, |bounce| bounce.density),
         chance,
-        is_bent: false,
-        is_lit: light_ray.is_some(),
+        after_specular: false,
+        light_ray_in_flight: light_ray.is_some(),
         depth,
         media: incidence.media,
         target: light_ray.map_or(Target::Nothing, |ray| ray.target),
@@ -78,7 +78,7 @@ pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> Option<
     if is_reached && let Some(source) = Source::reached(vertex) {
         deposit(path, source, || vertex.brings);
     }
-    vertex.is_lit = false;
-    vertex.is_bent = false;
+    vertex.light_ray_in_flight = false;
+    vertex.after_specular = false;
     vertex.continues.then_some(vertex.direction)
 }

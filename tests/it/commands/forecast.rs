@@ -15,7 +15,7 @@ const RENDERS: [(&str, &str); 6] = [
 
 #[test]
 #[ignore = "measures times, which other work on the machine disturbs"]
-fn the_time_of_a_render_is_foretold_within_30_percent() {
+fn the_time_of_a_render_is_estimated_within_30_percent() {
     let folder = Folder::with(&[]);
     let json = |text: &[u8]| serde_json::from_slice::<serde_json::Value>(text).unwrap();
     for (name, flags) in RENDERS {
@@ -27,8 +27,8 @@ fn the_time_of_a_render_is_foretold_within_30_percent() {
             let base = ["render", &scene, "-o", "out.exr", "--no-png", "--stats", "stats.json"];
             assert_good(&folder.run(&[&base[..], &flags].concat()));
             let stats = json(&std::fs::read(folder.path("stats.json")).unwrap());
-            let foretold = json(&info.stdout)["cost"]["seconds"]["value"].as_f64().unwrap();
-            foretold / stats["stats"]["seconds"].as_f64().unwrap()
+            let estimated = json(&info.stdout)["cost"]["seconds"]["value"].as_f64().unwrap();
+            estimated / stats["stats"]["seconds"].as_f64().unwrap()
         };
         let ratio = geometric_median((0..5).map(|_| measure()).collect()).unwrap();
         println!("{name} {flags:?}: {ratio:.3}");

@@ -4,7 +4,7 @@ use crate::support::Random;
 use crate::support::orbits::{fly, with_every_stepper};
 use glam::DVec3;
 use warpfront::geodesic::{End, Launch};
-use warpfront::math::exact;
+use warpfront::math::cross_exact;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
 /// Random rays that cross the sphere of radius 30 r_s outwards.
@@ -39,8 +39,8 @@ fn energy_and_angular_momentum_at_the_end_are_those_of_the_start() {
                 // The radial momentum, and b/ρ across: |p| is n only as far as the constraint holds.
                 let p = (phase.v * phase.v + (launch.b * phase.w).powi(2)).sqrt();
                 energy = energy.max((p * p / n_of(end).powi(2) - 1.0).abs());
-                let l0 = exact::cross(*x, n_of(*x) * *direction);
-                let l1 = exact::cross(end, n_of(end) * launch.direction(phase.w, phase.v, swept));
+                let l0 = cross_exact::cross(*x, n_of(*x) * *direction);
+                let l1 = cross_exact::cross(end, n_of(end) * launch.direction(phase.w, phase.v, swept));
                 let scale = n_of(*x) * x.length() + n_of(end) * end.length();
                 momentum = momentum.max(l1.distance(l0) / scale);
             }

@@ -100,13 +100,14 @@ impl Setup<'_> {
 
 /// Follows a ray to the sphere of radius `r_out` from inside, going through it on the way in.
 fn to_the_sphere(scene: &Baked, case: &Case, center: DVec3) -> Shot {
-    let start = Ray { position: case.start + center, direction: case.direction, leaves: PrimitiveId::NONE };
+    let start =
+        Ray { position: case.start + center, direction: case.direction, origin_prim: PrimitiveId::NONE };
     let [first] = shoot(scene, &[start])[..] else { panic!("one shot") };
     let starts_outside = case.start.length() > case.r_out;
     match first.end {
         Outcome::Landed(inwards) if starts_outside => {
             let (position, direction) = (inwards.position, inwards.direction);
-            shoot(scene, &[Ray { position, direction, leaves: inwards.primitive }])[0]
+            shoot(scene, &[Ray { position, direction, origin_prim: inwards.primitive }])[0]
         }
         _ => first,
     }
@@ -172,8 +173,10 @@ fn check_quads(setup: Setup) {
         let scene = setup.scene(case, &mesh("quad.obj", place, "black"), &[("quad.obj", &quad)]);
         let start = case.start + setup.center(case);
         Some(
-            shoot(&scene, &[Ray { position: start, direction: case.direction, leaves: PrimitiveId::NONE }])
-                [0],
+            shoot(
+                &scene,
+                &[Ray { position: start, direction: case.direction, origin_prim: PrimitiveId::NONE }],
+            )[0],
         )
     });
 }
@@ -233,7 +236,7 @@ fn deflection(b: f64, distance: f64, tolerance: f64) -> f64 {
     let index = (1.0 + u).powi(3) / (1.0 - u);
     let position = DVec3::new(-(distance * distance - b * b).sqrt(), b / index, 0.0);
     let [shot] =
-        shoot(&scene(&text), &[Ray { position, direction: DVec3::X, leaves: PrimitiveId::NONE }])[..]
+        shoot(&scene(&text), &[Ray { position, direction: DVec3::X, origin_prim: PrimitiveId::NONE }])[..]
     else {
         panic!("one shot")
     };
@@ -272,7 +275,7 @@ fn rays_from_a_hundred_million_radii_take_as_many_steps_as_rays_from_a_hundred()
         let target = |i: i32| DVec3::new(0.3 * f64::from(i % 81 - 40), 0.0, 0.3 * f64::from(i / 81 - 40));
         let ray = |i: i32| {
             let direction = (target(i) - position).normalize();
-            Ray { position, direction, leaves: PrimitiveId::NONE }
+            Ray { position, direction, origin_prim: PrimitiveId::NONE }
         };
         let shots = shoot(&scene, &(0..81 * 81).map(ray).collect::<Vec<_>>());
         assert!(!shots.iter().any(|shot| matches!(shot.end, Outcome::StepLimit | Outcome::NonFinite)));

@@ -74,9 +74,9 @@ fn compare<S: Segment + std::fmt::Debug>(
     let mut random = Random::new(seed);
     let geometry = scene(&mut random, offset);
     let (mut hits, mut mismatches) = (0, Vec::new());
-    let mut search = |segment: &S, leaves: PrimitiveId| -> Option<Hit> {
+    let mut search = |segment: &S, origin_prim: PrimitiveId| -> Option<Hit> {
         let (fast, slow) =
-            (geometry.intersect(segment, leaves), geometry.intersect_brute_force(segment, leaves));
+            (geometry.intersect(segment, origin_prim), geometry.intersect_brute_force(segment, origin_prim));
         if fast != slow {
             mismatches.push((*segment, fast, slow));
         }
@@ -166,12 +166,12 @@ fn crossings(geometry: &Geometry, from: DVec3, to: DVec3, pieces: usize) -> Vec<
     let mut found = Vec::new();
     for i in 0..pieces {
         let mut line = Line { p0: point(i), p2: point(i + 1) };
-        let mut leaves = PrimitiveId::NONE;
-        while let Some(hit) = geometry.intersect(&line, leaves) {
+        let mut origin_prim = PrimitiveId::NONE;
+        while let Some(hit) = geometry.intersect(&line, origin_prim) {
             let place = line.point(hit.s);
             found.push((place.x, geometry.surface(hit.primitive).entity));
             line = Line { p0: place, p2: line.p2 };
-            leaves = hit.primitive;
+            origin_prim = hit.primitive;
             assert!(found.len() < 100, "stuck at {place}");
         }
     }

@@ -8,7 +8,7 @@ use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, Shot, shoot};
 
 fn ray(position: DVec3, direction: DVec3) -> Ray {
-    Ray { position, direction: direction.normalize(), leaves: PrimitiveId::NONE }
+    Ray { position, direction: direction.normalize(), origin_prim: PrimitiveId::NONE }
 }
 
 fn follow(scene: &Baked, position: DVec3, direction: DVec3) -> Shot {

@@ -119,7 +119,7 @@ fn rays_inside_a_fine_bumpy_room(triangles_per_side: usize, rays: usize) {
         for _ in 0..rays.div_ceil(CHUNK) {
             let mut ray = || {
                 let position = random.between(0.3, 8.0) * random.direction();
-                Ray { position, direction: random.direction(), leaves: PrimitiveId::NONE }
+                Ray { position, direction: random.direction(), origin_prim: PrimitiveId::NONE }
             };
             let rays: Vec<Ray> = (0..CHUNK.min(rays)).map(|_| ray()).collect();
             for (shot, ray) in shoot(&scene, &rays).iter().zip(&rays) {
@@ -151,8 +151,8 @@ fn no_ray_of_ten_million_leaves_a_bumpy_room_of_three_hundred_thousand_triangles
     rays_inside_a_fine_bumpy_room(159, 10_000_000);
 }
 
-fn land(scene: &Baked, position: DVec3, direction: DVec3, leaves: PrimitiveId) -> Landing {
-    let [shot] = shoot(scene, &[Ray { position, direction, leaves }])[..] else { panic!("one shot") };
+fn land(scene: &Baked, position: DVec3, direction: DVec3, origin_prim: PrimitiveId) -> Landing {
+    let [shot] = shoot(scene, &[Ray { position, direction, origin_prim }])[..] else { panic!("one shot") };
     let Outcome::Landed(landing) = shot.end else { panic!("{shot:?} from {position} to {direction}") };
     landing
 }
@@ -224,7 +224,7 @@ fn returns(scene: &Baked, from: DVec3, around: DVec3, spread: f64, count: usize)
         .map(|_| {
             let position = from + spread * random.in_cube();
             let direction = (around + spread * random.in_cube() - position).normalize();
-            Ray { position, direction, leaves: PrimitiveId::NONE }
+            Ray { position, direction, origin_prim: PrimitiveId::NONE }
         })
         .collect();
     let landings = shoot(scene, &aimed).into_iter().filter_map(|shot| match shot.end {
@@ -237,13 +237,15 @@ fn returns(scene: &Baked, from: DVec3, around: DVec3, spread: f64, count: usize)
             let normal = scene.geometry.surface_point(primitive, position).normal;
             // Cosine-distributed, on either side: reflected or transmitted.
             let side = if random.between(0.0, 1.0) < 0.5 { normal } else { -normal };
-            Ray { position, direction: (side + random.direction()).normalize(), leaves: primitive }
+            Ray { position, direction: (side + random.direction()).normalize(), origin_prim: primitive }
         })
         .collect();
     assert!(starts.len() > count / 4, "{} of {count} rays land", starts.len());
     let ends = shoot(scene, &starts);
     let again = starts.iter().zip(&ends).filter_map(|(start, shot)| match shot.end {
-        Outcome::Landed(end) if end.primitive == start.leaves => Some(end.position.distance(start.position)),
+        Outcome::Landed(end) if end.primitive == start.origin_prim => {
+            Some(end.position.distance(start.position))
+        }
         _ => None,
     });
     let distances: Vec<f64> = again.collect();

@@ -420,7 +420,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let position = DVec3::new(0.4, 0.0, 0.3);
         let receiver = Receiver { position, normal: DVec3::Y, on };
         let follow = |directions: Vec<DVec3>| {
-            let ray = |direction| Ray { position, direction, leaves: on };
+            let ray = |direction| Ray { position, direction, origin_prim: on };
             shoot(&scene, &directions.into_iter().map(ray).collect::<Vec<_>>())
         };
         let chosen: Vec<_> =

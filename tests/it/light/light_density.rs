@@ -36,7 +36,7 @@ impl Lit {
     fn receivers(&self, random: &mut Random, count: usize) -> Vec<(Receiver, PrimitiveId)> {
         let (position, _) = self.scene.camera.ray(glam::DVec2::splat(0.5), 1.0);
         let mut found = Vec::new();
-        let mut from = Ray { position, direction: random.direction(), leaves: PrimitiveId::NONE };
+        let mut from = Ray { position, direction: random.direction(), origin_prim: PrimitiveId::NONE };
         while found.len() < count {
             if let Outcome::Landed(landing) = shoot(&self.scene, &[from])[0].end {
                 let normal = self.normal(&landing);
@@ -64,12 +64,12 @@ impl Lit {
     /// Where rays from `receiver` end.
     fn follow(
         &self,
-        (receiver, leaves): &(Receiver, PrimitiveId),
+        (receiver, origin_prim): &(Receiver, PrimitiveId),
         directions: &[DVec3],
     ) -> Vec<Option<Landing>> {
         let rays: Vec<Ray> = directions
             .iter()
-            .map(|&direction| Ray { position: receiver.position, direction, leaves: *leaves })
+            .map(|&direction| Ray { position: receiver.position, direction, origin_prim: *origin_prim })
             .collect();
         let landing =
             |end: &Outcome<_>| if let Outcome::Landed(landing) = end { Some(*landing) } else { None };

@@ -53,7 +53,7 @@ fn scene_files(spp: u32) {
             ["film.width=48", "film.height=36", "render.max_depth=5", "spacetime.schwarzschild_radius=5"];
         let overrides = if name == "room_black_hole.toml" { &overrides[..3] } else { &overrides };
         let mut scene = scene_file(&scene_path(name), overrides);
-        // Nothing runs into a light without extent.
+        // Nothing runs into a punctual light.
         scene.punctual.clear();
         let with = picture(&mut scene, Geodesic, spp / 4, 1);
         let without = picture(&mut scene, Off, spp, 2);

@@ -1,4 +1,4 @@
-//! Lights without extent that are nearer to the hole than anything else.
+//! Punctual lights that are nearer to the hole than anything else.
 
 use crate::support::{camera, film, hole, material, mean_red, render, scene, sphere, vector};
 use glam::DVec3;

@@ -72,6 +72,6 @@ fn a_hole_in_a_glass_ball_is_that_of_the_reference() {
 
 #[test]
 fn a_room_with_a_hole_is_that_of_the_reference() {
-    // Nothing runs into lights without extent: the reference has none.
+    // Nothing runs into punctual lights: the reference has none.
     check("room_black_hole", &["entity.room.light_scale=0"], 256);
 }

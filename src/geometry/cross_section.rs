@@ -16,7 +16,7 @@ pub struct Plane {
 
 /// A piece of the outline of a primitive's intersection with a plane, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cut {
+pub enum CrossSection {
     /// From one point to the other.
     Line([DVec3; 2]),
     /// A circle in the plane.
@@ -37,21 +37,21 @@ impl Plane {
         self.normal.dot(point - self.point)
     }
 
-    fn cut_sphere(&self, sphere: &Sphere) -> Option<Cut> {
+    fn cut_sphere(&self, sphere: &Sphere) -> Option<CrossSection> {
         let height = self.height(sphere.center);
         let radius2 = (sphere.radius - height) * (sphere.radius + height);
         let center = sphere.center - height * self.normal;
-        (radius2 > 0.0).then(|| Cut::Circle { center, radius: radius2.sqrt() })
+        (radius2 > 0.0).then(|| CrossSection::Circle { center, radius: radius2.sqrt() })
     }
 
     /// A disk in the plane gives its rims; any other a line, in two pieces if it crosses the hole in the middle.
-    fn cut_disk(&self, disk: &Disk) -> Vec<Cut> {
+    fn cut_disk(&self, disk: &Disk) -> Vec<CrossSection> {
         let along = self.normal.cross(disk.normal);
         let height = self.height(disk.center);
         if along.length() < IN_PLANE {
             let rims =
                 if height.abs() <= IN_PLANE * disk.outer { [disk.outer, disk.inner] } else { [0.0; 2] };
-            let circle = |radius| Cut::Circle { center: disk.center, radius };
+            let circle = |radius| CrossSection::Circle { center: disk.center, radius };
             return rims.into_iter().filter(|&radius| radius > 0.0).map(circle).collect();
         }
         let sine = along.length();
@@ -62,7 +62,7 @@ impl Plane {
         let nearest = disk.center + distance * down;
         let half = |radius: f64| (radius * radius - distance * distance).max(0.0).sqrt();
         let (outer, inner) = (half(disk.outer), half(disk.inner));
-        let line = |from: f64, to: f64| Cut::Line([nearest + from * along, nearest + to * along]);
+        let line = |from: f64, to: f64| CrossSection::Line([nearest + from * along, nearest + to * along]);
         match (outer, inner) {
             (0.0, _) => Vec::new(),
             (outer, 0.0) => vec![line(-outer, outer)],
@@ -71,7 +71,7 @@ impl Plane {
     }
 
     /// Nothing for a triangle in the plane: its neighbours across the plane draw its edges.
-    fn cut_triangle(&self, corners: [DVec3; 3]) -> Option<Cut> {
+    fn cut_triangle(&self, corners: [DVec3; 3]) -> Option<CrossSection> {
         let heights = corners.map(|corner| self.height(corner));
         let crossing = |i: usize, j: usize| {
             let (a, b) = (heights[i], heights[j]);
@@ -79,13 +79,13 @@ impl Plane {
         };
         // Signs differ on two edges or none.
         let mut ends = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(i, j)| crossing(i, j));
-        Some(Cut::Line([ends.next()?, ends.next()?]))
+        Some(CrossSection::Line([ends.next()?, ends.next()?]))
     }
 }
 
 impl Geometry {
     /// The outlines of all that `plane` cuts.
-    pub fn cut(&self, plane: &Plane) -> Vec<Cut> {
+    pub fn cross_section(&self, plane: &Plane) -> Vec<CrossSection> {
         let local = Plane { point: plane.point - self.origin, ..*plane };
         let mut cuts = Vec::new();
         for (slot, item) in self.members() {
@@ -107,11 +107,11 @@ impl Geometry {
     }
 }
 
-impl Cut {
+impl CrossSection {
     fn moved(self, by: DVec3) -> Self {
         match self {
-            Cut::Line(ends) => Cut::Line(ends.map(|end| end + by)),
-            Cut::Circle { center, radius } => Cut::Circle { center: center + by, radius },
+            CrossSection::Line(ends) => CrossSection::Line(ends.map(|end| end + by)),
+            CrossSection::Circle { center, radius } => CrossSection::Circle { center: center + by, radius },
         }
     }
 }
@@ -126,8 +126,8 @@ mod tests {
     const GROUND: Plane = Plane { point: DVec3::ZERO, normal: DVec3::Y };
     const SURFACE: Surface = Surface { material: 0, entity: 0 };
 
-    fn line(cut: Cut) -> [DVec3; 2] {
-        let Cut::Line(mut ends) = cut else { panic!("{cut:?} is no line") };
+    fn line(cut: CrossSection) -> [DVec3; 2] {
+        let CrossSection::Line(mut ends) = cut else { panic!("{cut:?} is no line") };
         ends.sort_by(|a, b| a.x.total_cmp(&b.x));
         ends
     }
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn a_sphere_is_cut_in_a_circle_or_not_at_all() {
         let sphere = |y: f64| Sphere { center: DVec3::new(1.0, y, 2.0), radius: 5.0 };
-        let expected = Cut::Circle { center: DVec3::new(1.0, 0.0, 2.0), radius: 4.0 };
+        let expected = CrossSection::Circle { center: DVec3::new(1.0, 0.0, 2.0), radius: 4.0 };
         assert_eq!(GROUND.cut_sphere(&sphere(3.0)), Some(expected));
         assert_eq!(GROUND.cut_sphere(&sphere(-5.5)), None);
     }
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn an_annulus_in_the_plane_shows_its_rims() {
         let disk = Disk { center: DVec3::X, normal: -DVec3::Y, inner: 1.0, outer: 2.0 };
-        let circle = |radius| Cut::Circle { center: DVec3::X, radius };
+        let circle = |radius| CrossSection::Circle { center: DVec3::X, radius };
         assert_eq!(GROUND.cut_disk(&disk), [circle(2.0), circle(1.0)]);
         assert!(GROUND.cut_disk(&Disk { center: DVec3::Y, ..disk }).is_empty());
     }
@@ -180,7 +180,7 @@ mod tests {
         for count in 1..3 {
             let instances = (0..count).map(|index| placed(10.0 * f64::from(index))).collect();
             let primitives = Primitives { meshes: vec![mesh.clone()], instances, ..Primitives::default() };
-            let cuts = Geometry::build(primitives).cut(&GROUND);
+            let cuts = Geometry::build(primitives).cross_section(&GROUND);
             assert_eq!(cuts.len(), count as usize);
             let nearest = cuts.into_iter().map(line).min_by(|a, b| a[0].x.total_cmp(&b[0].x)).unwrap();
             let expected = [DVec3::new(-0.5, 0.0, 100.0), DVec3::new(0.5, 0.0, 100.0)];

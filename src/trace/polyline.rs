@@ -8,13 +8,13 @@ use rayon::prelude::*;
 use super::choice::with_transport_to;
 use super::halt::Halt;
 use super::shoot::{Ray, follow};
-use super::transport::{Errand, Outcome, Transport};
+use super::transport::{Outcome, Transport, TransportVisitor};
 use crate::geometry::{Geometry, Segment};
 use crate::scene::{Baked, StepperKind};
 
 /// A ray's path and its end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trail {
+pub struct Polyline {
     /// World points from the start to the end, or to where nothing more can be met.
     pub points: Vec<DVec3>,
     /// Unit direction of travel at the last of them.
@@ -30,7 +30,7 @@ const MOST_POINTS: f64 = 48.0;
 
 /// Follows `rays` through `scene` as [`shoot`](super::shoot) does, but falling ones down to the horizon, on all
 /// threads.
-pub fn trails(scene: &Baked, rays: &[Ray]) -> Vec<Trail> {
+pub fn polylines(scene: &Baked, rays: &[Ray]) -> Vec<Polyline> {
     // Steps of the paper's length jump over the horizon.
     let core = if scene.settings.stepper == StepperKind::Rk4Paper { f64::INFINITY } else { 0.0 };
     with_transport_to(scene, core, true, Trailing { geometry: &scene.geometry, rays })
@@ -41,15 +41,15 @@ struct Trailing<'a> {
     rays: &'a [Ray],
 }
 
-impl Errand for Trailing<'_> {
-    type Output = Vec<Trail>;
+impl TransportVisitor for Trailing<'_> {
+    type Output = Vec<Polyline>;
 
-    fn run<T: Transport + 'static>(self, transport: T) -> Vec<Trail> {
-        self.rays.par_iter().map(|ray| trail(&transport, self.geometry, ray)).collect()
+    fn run<T: Transport + 'static>(self, transport: T) -> Vec<Polyline> {
+        self.rays.par_iter().map(|ray| polyline(&transport, self.geometry, ray)).collect()
     }
 }
 
-fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
+fn polyline<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Polyline {
     let (mut points, mut heading) = (vec![ray.position], ray.direction);
     let (shot, _) =
         follow(transport, geometry, &ray.start(), &Halt::default(), |flight, step, found, landing| {
@@ -60,7 +60,7 @@ fn trail<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Trail {
                 heading = landing.map_or(course.heading(), |landing| landing.direction);
             }
         });
-    Trail { points, heading, end: shot.end }
+    Polyline { points, heading, end: shot.end }
 }
 
 /// Adds the points of `course` after its start, up to `landing` if given; none that is not finite.

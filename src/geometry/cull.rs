@@ -13,7 +13,7 @@ use crate::math::columns::{LANES, Row};
 
 /// A chord to be screened.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Screen {
+pub struct Cull {
     start: Vec3,
     along: Vec3,
     bow: Vec3,
@@ -33,7 +33,7 @@ const ROUNDING: f32 = 64.0 * f32::EPSILON;
 /// Beyond this the product of three lengths leaves the range of f32.
 const LARGEST: f32 = 1e12;
 
-impl Screen {
+impl Cull {
     /// Room for a chord.
     #[inline(always)]
     pub fn new(chord: &Chord) -> Self {
@@ -53,7 +53,7 @@ impl Screen {
     /// `BENDS`.
     #[inline(always)]
     pub fn may_cross<const BENDS: bool>(&self, triangles: &TriangleBlock) -> u64 {
-        let Screen { start, along, bow, sweep, reach, room, until } = *self;
+        let Cull { start, along, bow, sweep, reach, room, until } = *self;
         let mut may = [0u8; LANES];
         for (lane, may) in may.iter_mut().enumerate() {
             let Triangle { a, b, c } = Triangle::get(triangles, lane);
@@ -144,7 +144,7 @@ mod tests {
                 let [a, b, c] = [0; 3].map(|_| (near + point(size)).as_vec3());
                 Triangle::set(&mut block, lane, Triangle { a, b, c });
             }
-            let may = Screen::new(&segment.chord()).may_cross::<BENDS>(&block);
+            let may = Cull::new(&segment.chord()).may_cross::<BENDS>(&block);
             for lane in 0..LANES {
                 let is_kept = may >> (8 * lane) & 1 == 1;
                 let is_crossed = crosses(&segment, &Triangle::get(&block, lane)) < f64::INFINITY;
@@ -181,8 +181,8 @@ mod tests {
             let is_usual = (1e-6..1e7).contains(&scale);
             for ([crossed, kept, out], most_kept) in [(lines, 0.2), (arcs, 4.0)] {
                 assert!(crossed > 1000, "{crossed} crossed at scale {scale}");
-                let is_few = (kept as f64) < most_kept * crossed as f64;
-                assert!(!is_usual || is_few, "{crossed} crossed, {kept} kept, {out} out at scale {scale}");
+                let is_small = (kept as f64) < most_kept * crossed as f64;
+                assert!(!is_usual || is_small, "{crossed} crossed, {kept} kept, {out} out at scale {scale}");
             }
         }
     }

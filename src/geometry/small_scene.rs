@@ -41,7 +41,7 @@ const _: () = assert!(<Arc as SideBySide>::FEW <= MOST);
 /// Where the segments of a block may cross spheres. What is found is looked at when all spheres have been screened:
 /// a branch for each would be as good as random.
 #[derive(Default)]
-pub struct Screened {
+pub struct Culled {
     count: usize,
     slots: [u32; MOST],
     /// What changes its sign where a segment crosses, as Bernstein coefficients by lane.
@@ -50,7 +50,7 @@ pub struct Screened {
     may: u128,
 }
 
-impl Screened {
+impl Culled {
     #[inline(always)]
     fn clear(&mut self) {
         (self.count, self.may) = (0, 0);
@@ -82,13 +82,13 @@ impl Screened {
 
 /// What segments meet first. Its memory is used again from round to round.
 #[derive(Default)]
-pub struct Few {
+pub struct SmallScene {
     best: Vec<Crossings>,
     pending: Vec<Pending>,
-    screened: Screened,
+    screened: Culled,
 }
 
-impl Few {
+impl SmallScene {
     /// Searches blocks of queries. Only where there are [few](Geometry::is_few) primitives.
     pub fn search<S: SideBySide>(&mut self, geometry: &Geometry, queries: &[<Query<S> as Row>::Block]) {
         widest(Searching::<S> { geometry, queries, few: self });
@@ -121,7 +121,7 @@ pub trait SideBySide: Segment + Row {
         sphere: Sphere,
         own: (&[u64; LANES], u32),
         s: &mut [f64; LANES],
-        screened: &mut Screened,
+        screened: &mut Culled,
     );
 }
 
@@ -140,7 +140,7 @@ impl SideBySide for Line {
         sphere: Sphere,
         (own, slot): (&[u64; LANES], u32),
         s: &mut [f64; LANES],
-        _: &mut Screened,
+        _: &mut Culled,
     ) {
         for lane in 0..LANES {
             s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
@@ -163,13 +163,13 @@ impl SideBySide for Arc {
         sphere: Sphere,
         (own, slot): (&[u64; LANES], u32),
         _: &mut [f64; LANES],
-        screened: &mut Screened,
+        screened: &mut Culled,
     ) {
         let number = u64::from(slot);
         // Most blocks have no segment that starts on the sphere.
         let (along, may) = match own.contains(&number) {
-            true => screen(arcs, &sphere, |lane| own[lane] == number),
-            false => screen(arcs, &sphere, |_| false),
+            true => cull(arcs, &sphere, |lane| own[lane] == number),
+            false => cull(arcs, &sphere, |_| false),
         };
         screened.push(slot, along, may);
     }
@@ -178,15 +178,15 @@ impl SideBySide for Arc {
 /// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and whether they have not
 /// all the same sign, 1 or 0.
 #[inline(always)]
-fn screen(
+fn cull(
     arcs: &<FromStart as Row>::Block,
     sphere: &Sphere,
-    leaves: impl Fn(usize) -> bool,
+    origin_prim: impl Fn(usize) -> bool,
 ) -> ([[f64; LANES]; 5], [u8; LANES]) {
     let (mut along, mut may) = ([[0.0; LANES]; 5], [0; LANES]);
     let (center, radius2) = (sphere.center, sphere.radius * sphere.radius);
     for lane in 0..LANES {
-        let c = FromStart::get(arcs, lane).along(center, radius2, leaves(lane));
+        let c = FromStart::get(arcs, lane).along(center, radius2, origin_prim(lane));
         let (mut least, mut most) = (c[0], c[0]);
         for (along, c) in along.iter_mut().zip(c) {
             along[lane] = c;
@@ -200,7 +200,7 @@ fn screen(
 
 impl Geometry {
     /// Whether segments of this kind are tested against all primitives side by side.
-    pub fn is_few<S: SideBySide>(&self) -> bool {
+    pub fn is_small<S: SideBySide>(&self) -> bool {
         self.bvh.len() <= S::FEW && !self.others.iter().any(|item| matches!(item, Item::Instance(_)))
     }
 
@@ -215,7 +215,7 @@ impl Geometry {
 struct Searching<'a, S: SideBySide> {
     geometry: &'a Geometry,
     queries: &'a [QueryBlock<S::Block>],
-    few: &'a mut Few,
+    few: &'a mut SmallScene,
 }
 
 impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
@@ -223,7 +223,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Searching { geometry, queries, few: Few { best, pending, screened } } = self;
+        let Searching { geometry, queries, few: SmallScene { best, pending, screened } } = self;
         best.clear();
         pending.clear();
         for (number, queries) in queries.iter().enumerate() {
@@ -258,7 +258,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
 fn first_crossings<S: SideBySide>(
     geometry: &Geometry,
     queries: &QueryBlock<S::Block>,
-    screened: &mut Screened,
+    screened: &mut Culled,
 ) -> Crossings {
     let (mut segments, mut prepared) = (S::Block::default(), <S::Prepared as Row>::Block::default());
     for lane in 0..LANES {
@@ -268,7 +268,7 @@ fn first_crossings<S: SideBySide>(
         S::set(&mut segments, lane, segment);
         S::Prepared::set(&mut prepared, lane, segment.prepared());
     }
-    let own = queries.leaves.map(|PrimitiveId { item, triangle }| match triangle {
+    let own = queries.origin_prim.map(|PrimitiveId { item, triangle }| match triangle {
         0 => u64::from(item),
         _ => u64::MAX,
     });
