@@ -12,7 +12,7 @@ use super::files::Files;
 use super::mean_color::MeanColors;
 use super::notes::Notes;
 use super::statements::{Statement, Statements};
-use crate::shade::{Lobe, Material};
+use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror};
 use crate::text;
 
 /// Albedo of a material that does not say.
@@ -235,10 +235,10 @@ impl Converter<'_> {
         let lobe = match material.illumination_model {
             Some(4 | 6 | 7 | 9) => glass(material),
             Some(3 | 5) if specular.cmpgt(Vec3::ZERO).any() => {
-                Lobe::Mirror { reflectance: self.unit(specular) }
+                Lobe::Mirror(Mirror { reflectance: self.unit(specular) })
             }
             _ if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
-            _ => Lobe::Diffuse { albedo: self.unit(diffuse.unwrap_or(Vec3::splat(ALBEDO))) },
+            _ => Lobe::Diffuse(Diffuse { albedo: self.unit(diffuse.unwrap_or(Vec3::splat(ALBEDO))) }),
         };
         let map = material.unknown_param.get("map_Ke").map(String::as_str);
         let emission = self.tinted("map_Ke", material.emissive, map).unwrap_or(Vec3::ZERO);
@@ -302,7 +302,7 @@ impl Converter<'_> {
 
 fn glass(material: &tobj::Material) -> Lobe {
     let ior = material.optical_density.filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(GLASS_IOR);
-    Lobe::Dielectric { ior, tint: Vec3::ONE }
+    Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE })
 }
 
 /// The file name behind the options of a map statement, on which but for `-mm` a mean colour does not depend.
@@ -362,10 +362,10 @@ mod tests {
     fn illumination_models_choose_the_lobe() {
         let text = "newmtl m\nillum 3\nKs .9 .8 .7\nnewmtl g\nillum 7\nNi 1.3\nnewmtl t\nd 0.1\nnewmtl d\nKd .1 .2 .3\nillum 2\n";
         let expected = [
-            Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) },
-            Lobe::Dielectric { ior: 1.3, tint: Vec3::ONE },
-            Lobe::Dielectric { ior: 1.5, tint: Vec3::ONE },
-            Lobe::Diffuse { albedo: Vec3::new(0.1, 0.2, 0.3) },
+            Lobe::Mirror(Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) }),
+            Lobe::Dielectric(Dielectric { ior: 1.3, tint: Vec3::ONE }),
+            Lobe::Dielectric(Dielectric { ior: 1.5, tint: Vec3::ONE }),
+            Lobe::Diffuse(Diffuse { albedo: Vec3::new(0.1, 0.2, 0.3) }),
         ];
         assert_eq!(lobes(text), expected);
         assert_eq!(lobes(&text.replace('\n', "\r")), expected);
@@ -374,7 +374,7 @@ mod tests {
 
     #[test]
     fn a_mirror_that_reflects_nothing_is_diffuse() {
-        let red = Lobe::Diffuse { albedo: Vec3::X };
+        let red = Lobe::Diffuse(Diffuse { albedo: Vec3::X });
         assert_eq!(lobes("newmtl a\nillum 3\nKd 1 0 0\nnewmtl b\nKd 1 0 0\nKs 0 0 0\nillum 5"), [red, red]);
     }
 
@@ -383,7 +383,7 @@ mod tests {
         let (materials, warnings) = convert_text(
             "newmtl a\nmap_Ks a.png\nKd 2 0 0\nKe spectral x.rfl\nPr 0.5\nnewmtl b\nmap_Ks b.png\n",
         );
-        assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::X });
+        assert_eq!(materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::X }));
         assert_eq!(
             warnings,
             [
@@ -420,7 +420,7 @@ mod tests {
             let shown = odd.trim_end();
             let said = format!("a.mtl: statements that cannot be read are left out, in line: 3: `{shown}`");
             assert_eq!(warnings, [said], "{odd}");
-            assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::ONE }, "{odd}");
+            assert_eq!(materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::ONE }), "{odd}");
             assert_eq!(materials[1].emission, Vec3::ONE, "{odd}");
         }
     }
@@ -428,7 +428,7 @@ mod tests {
     #[test]
     fn statements_without_a_material_and_materials_without_a_name_are_said() {
         let (materials, warnings) = convert_text("Kd 1 0 0\nnewmtl\nKd 0 1 0\nnewmtl a\nKd 0 0 1\n");
-        assert_eq!(materials[1].lobe, Lobe::Diffuse { albedo: Vec3::Z });
+        assert_eq!(materials[1].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::Z }));
         assert_eq!(
             warnings,
             [
@@ -445,9 +445,9 @@ mod tests {
              newmtl b\nKd 0 0 0\nKe 64 64 64\nmap_Ke tex/e 1.png\nmap_Kd C:\\gone\\x.png\nnewmtl c\nmap_Kd tex/e 1.png\n",
         );
         let mean = 1.0 / 64.0;
-        assert_eq!(materials[0].lobe, Lobe::Diffuse { albedo: Vec3::new(mean, mean, mean / 2.0) });
+        assert_eq!(materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::new(mean, mean, mean / 2.0) }));
         assert_eq!(materials[1].emission, Vec3::ONE);
-        assert_eq!(materials[2].lobe, Lobe::Diffuse { albedo: Vec3::splat(mean) });
+        assert_eq!(materials[2].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::splat(mean) }));
         assert_eq!(warnings[0], "a.mtl: `map_Kd` is replaced by its mean colour, in material: a, c");
         assert!(warnings[1].starts_with(
             "a.mtl: pictures of `map_Kd` that cannot be used are ignored: C:\\gone\\x.png (cannot be read"

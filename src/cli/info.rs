@@ -81,12 +81,19 @@ struct Shapes {
     instances: usize,
 }
 
-#[derive(Default, Serialize)]
+/// Counts of materials by the name of their lobe, and of those that emit.
 struct Materials {
-    diffuse: usize,
-    mirror: usize,
-    dielectric: usize,
+    lobes: Vec<(&'static str, usize)>,
     emitting: usize,
+}
+
+impl Serialize for Materials {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.lobes.iter().try_for_each(|(name, count)| map.serialize_entry(name, count))?;
+        map.serialize_entry("emitting", &self.emitting)?;
+        map.end()
+    }
 }
 
 /// Punctual lights.
@@ -229,20 +236,14 @@ impl Shapes {
 
 impl Materials {
     fn of(scene: &Baked) -> Self {
-        scene.materials.iter().fold(Self::default(), |mut counts, material| {
-            match material.lobe {
-                Lobe::Diffuse { .. } => counts.diffuse += 1,
-                Lobe::Mirror { .. } => counts.mirror += 1,
-                Lobe::Dielectric { .. } => counts.dielectric += 1,
-            }
-            counts.emitting += usize::from(material.emits());
-            counts
-        })
+        let of = |name: &str| scene.materials.iter().filter(|material| material.lobe.name() == name).count();
+        let lobes = Lobe::NAMES.iter().map(|&name| (name, of(name))).collect();
+        Self { lobes, emitting: scene.materials.iter().filter(|material| material.emits()).count() }
     }
 
     fn text(&self) -> String {
-        let Self { diffuse, mirror, dielectric, emitting } = self;
-        format!("{diffuse} diffuse, {mirror} mirror, {dielectric} dielectric; {emitting} of them emit")
+        let lobes: Vec<String> = self.lobes.iter().map(|(name, count)| format!("{count} {name}")).collect();
+        format!("{}; {} of them emit", lobes.join(", "), self.emitting)
     }
 }
 

@@ -20,7 +20,7 @@ use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, bare_name};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
-use crate::shade::{Environment, LatLong, Lobe, Material};
+use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
 use crate::spacetime::{Entry, Parameter, Range, SpacetimeKind};
 
 /// Largest image side, pixels.
@@ -309,9 +309,9 @@ fn material(table: &MaterialTable) -> Result<Material, Fault> {
     let ior = table.ior.as_ref().map_or(Ok(DEFAULT_IOR), |ior| check::positive(ior, "ior"))?;
     Ok(Material {
         lobe: match kind {
-            LobeName::Diffuse => Lobe::Diffuse { albedo },
-            LobeName::Mirror => Lobe::Mirror { reflectance: albedo },
-            LobeName::Dielectric => Lobe::Dielectric { ior: ior as f32, tint: albedo },
+            LobeName::Diffuse => Lobe::Diffuse(Diffuse { albedo }),
+            LobeName::Mirror => Lobe::Mirror(Mirror { reflectance: albedo }),
+            LobeName::Dielectric => Lobe::Dielectric(Dielectric { ior: ior as f32, tint: albedo }),
         },
         emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
         emits_both_sides: table.emits != Some(EmittingSides::Front),

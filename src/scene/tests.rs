@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::*;
 use crate::geometry::{Primitives, Sphere};
 use crate::light::Punctual;
-use crate::shade::{Environment, Lobe};
+use crate::shade::{Dielectric, Diffuse, Environment, Lobe, Mirror};
 
 struct Files {
     folder: tempfile::TempDir,
@@ -75,7 +75,7 @@ fn the_black_hole_scene_is_the_papers_figure_5() {
     assert_eq!(baked.entities.len(), 9);
     assert_eq!(baked.camera.near, 140.0);
     assert!((baked.camera.tan_half_fov - 0.5135 / 2.0).abs() < 1e-7);
-    assert_eq!(baked.materials[5].lobe, Lobe::Dielectric { ior: 1.5, tint: Vec3::splat(0.999) });
+    assert_eq!(baked.materials[5].lobe, Lobe::Dielectric(Dielectric { ior: 1.5, tint: Vec3::splat(0.999) }));
     assert!(baked.warnings.is_empty());
     let flat = load(&path, &["spacetime.schwarzschild_radius=0".to_owned()]).unwrap();
     assert_eq!(flat.spacetime, SpacetimeKind::Flat);
@@ -86,9 +86,11 @@ fn the_room_shares_no_extra_meshes_and_names_its_nodes() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/room_black_hole.toml");
     let baked = load(&path, &[]).unwrap();
     assert!(baked.entities.contains(&"room/GlassBall".to_owned()), "{:?}", baked.entities);
-    assert!(baked.materials.iter().any(|m| m.lobe == Lobe::Dielectric { ior: 1.45, tint: Vec3::ONE }));
+    assert!(
+        baked.materials.iter().any(|m| m.lobe == Lobe::Dielectric(Dielectric { ior: 1.45, tint: Vec3::ONE }))
+    );
     // The floor's only colour is that of its texture.
-    assert!(baked.materials.iter().all(|m| m.lobe != Lobe::Diffuse { albedo: Vec3::ONE }));
+    assert!(baked.materials.iter().all(|m| m.lobe != Lobe::Diffuse(Diffuse { albedo: Vec3::ONE })));
     assert!((baked.camera.position - DVec3::new(-0.25, 1.45, 2.75)).length() < 1e-6);
     assert!((baked.camera.up - DVec3::new(0.013619, 0.990319, -0.138139)).length() < 1e-5);
 }
@@ -535,7 +537,7 @@ fn entity_emission_and_material_override_those_of_the_mesh() {
     let (path, mut materials) = (files.path("a.toml"), Vec::new());
     materials.extend(load(&path, &[]).unwrap().materials);
     let last = materials.last().unwrap();
-    assert_eq!(last.lobe, Lobe::Mirror { reflectance: Vec3::new(1.0, 0.8, 0.3) });
+    assert_eq!(last.lobe, Lobe::Mirror(Mirror { reflectance: Vec3::new(1.0, 0.8, 0.3) }));
     assert_eq!(last.emission, Vec3::splat(3.0));
 }
 

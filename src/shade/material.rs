@@ -2,27 +2,7 @@
 
 use glam::Vec3;
 
-/// The scattering lobe of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lobe {
-    /// Lambertian reflection, both sides. `albedo` in [0, 1] per channel.
-    Diffuse {
-        /// Reflected fraction of the irradiance.
-        albedo: Vec3,
-    },
-    /// Perfect specular reflection.
-    Mirror {
-        /// Reflected fraction of the radiance, no Fresnel factor.
-        reflectance: Vec3,
-    },
-    /// Smooth dielectric with exact unpolarised Fresnel reflectance.
-    Dielectric {
-        /// Index of refraction relative to vacuum.
-        ior: f32,
-        /// Factor on reflected and transmitted radiance.
-        tint: Vec3,
-    },
-}
+use super::bsdf::{Diffuse, Lobe};
 
 /// A material: a lobe and what the surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +19,7 @@ impl Default for Material {
     /// Diffuse grey of albedo 0.8, glTF's and Blender's look for "no material".
     fn default() -> Self {
         Self {
-            lobe: Lobe::Diffuse { albedo: Vec3::splat(0.8) },
+            lobe: Lobe::Diffuse(Diffuse { albedo: Vec3::splat(0.8) }),
             emission: Vec3::ZERO,
             emits_both_sides: true,
         }
@@ -54,28 +34,21 @@ impl Material {
 
     /// Whether light from one direction leaves in many: light sampling helps.
     pub fn spreads_light(&self) -> bool {
-        matches!(self.lobe, Lobe::Diffuse { albedo } if albedo != Vec3::ZERO)
+        !self.lobe.is_specular() && self.lobe.albedo() != Vec3::ZERO
     }
 
     /// Whether light from one direction leaves in one or two: a mirror, glass.
     pub fn is_specular(&self) -> bool {
-        match self.lobe {
-            Lobe::Diffuse { .. } => false,
-            Lobe::Mirror { .. } | Lobe::Dielectric { .. } => true,
-        }
+        self.lobe.is_specular()
     }
 
     /// Whether light goes through.
     pub fn is_dielectric(&self) -> bool {
-        matches!(self.lobe, Lobe::Dielectric { .. })
+        self.lobe.ior().is_some()
     }
 
     /// The colour that the albedo AOV shows.
     pub fn albedo(&self) -> Vec3 {
-        match self.lobe {
-            Lobe::Diffuse { albedo } => albedo,
-            Lobe::Mirror { reflectance } => reflectance,
-            Lobe::Dielectric { tint, .. } => tint,
-        }
+        self.lobe.albedo()
     }
 }

@@ -1,17 +1,18 @@
 //! Materials, their lobes, light from infinity, and the random numbers that choose among them.
 
-pub mod dielectric;
-pub mod diffuse;
+mod bsdf;
 mod environment;
+mod incidence;
 mod material;
 mod media;
-pub mod mirror;
 mod sampler;
 mod scatter;
 mod sobol;
 
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel, sample_cosine};
 pub use environment::{Environment, LatLong};
-pub use material::{Lobe, Material};
+pub use incidence::{Bounce, Incidence};
+pub use material::Material;
 pub use media::{Crossing, Media};
 pub use sampler::{Key, Sampler};
-pub use scatter::{Bounce, Incidence, evaluate, scatter};
+pub use scatter::{evaluate, scatter};

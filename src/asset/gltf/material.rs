@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::texture::Textures;
 use crate::asset::notes::Notes;
-use crate::shade::{Lobe, Material};
+use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror};
 
 /// Largest roughness that counts as a perfect mirror or clear glass.
 const SMOOTH: f32 = 0.05;
@@ -88,10 +88,10 @@ fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) ->
     let glass = material.transmission().is_some_and(|glass| glass.transmission_factor() >= 0.5);
     let metal = pbr.metallic_factor() >= 0.5;
     match (metal, glass, smooth) {
-        (true, _, true) => return Lobe::Mirror { reflectance: base },
+        (true, _, true) => return Lobe::Mirror(Mirror { reflectance: base }),
         (false, true, true) => {
             let ior = material.ior().filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(DEFAULT_IOR);
-            return Lobe::Dielectric { ior, tint: base };
+            return Lobe::Dielectric(Dielectric { ior, tint: base });
         }
         (true, ..) => notes.add("rough metal becomes diffuse, in material", name),
         (false, true, false) => notes.add("rough glass becomes diffuse, in material", name),
@@ -100,7 +100,7 @@ fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) ->
         }
         (false, false, _) => {}
     }
-    Lobe::Diffuse { albedo: base }
+    Lobe::Diffuse(Diffuse { albedo: base })
 }
 
 /// Strength of a non-metal's reflection; 0 makes the material an exact Lambertian.

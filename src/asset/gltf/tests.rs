@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::light::Punctual;
-use crate::shade::{Lobe, Material};
+use crate::shade::{Dielectric, Lobe, Material, Mirror};
 
 /// Bytes of the test buffer: four positions, four u16 indices, a sparse index, a sparse value.
 fn buffer() -> Vec<u8> {
@@ -167,8 +167,8 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     ]);
     let model = load_json(&shiny).unwrap();
     let lobes: Vec<Lobe> = model.materials.iter().map(|material| material.lobe).collect();
-    assert_eq!(lobes[0], Lobe::Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) });
-    assert_eq!(lobes[1], Lobe::Dielectric { ior: 1.45, tint: Vec3::ONE });
+    assert_eq!(lobes[0], Lobe::Mirror(Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) }));
+    assert_eq!(lobes[1], Lobe::Dielectric(Dielectric { ior: 1.45, tint: Vec3::ONE }));
     assert_eq!(model.materials[2].emission, Vec3::new(4.0, 2.0, 0.0));
     assert!(model.materials[2].emits_both_sides && !model.materials[0].emits_both_sides);
     let warnings: Vec<&str> =

@@ -1,5 +1,5 @@
 use super::*;
-use crate::shade::Lobe;
+use crate::shade::{Diffuse, Lobe};
 use glam::Vec3;
 
 /// Loads a file of these bytes, beside the library `a.mtl`.
@@ -41,8 +41,8 @@ fn polygons_are_triangulated_and_objects_with_two_materials_stay_one_node() {
     assert_eq!(model.nodes[0].name, "box");
     assert_eq!(model.nodes[0].parts, [Part { mesh: 0, material: 0 }, Part { mesh: 1, material: 1 }]);
     assert_eq!(model.meshes[0].triangles.len(), 2);
-    assert_eq!(model.materials[0].lobe, Lobe::Diffuse { albedo: Vec3::X });
-    assert_eq!(model.materials[1].lobe, Lobe::Diffuse { albedo: Vec3::ZERO });
+    assert_eq!(model.materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::X }));
+    assert_eq!(model.materials[1].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO }));
     assert_eq!(model.materials[1].emission, Vec3::splat(5.0));
     assert_eq!(model.warnings, Vec::<String>::new());
 }

@@ -134,7 +134,7 @@ impl Shower<'_> {
         let flips = emitter.both_sides && emitter.sphere().is_none() && back < 0.5;
         let outwards = if flips { -spot.normal } else { spot.normal };
         let [u, v, ..] = self.numbers(index, 1).map(f64::from);
-        let direction = shade::diffuse::sample(outwards, u, v);
+        let direction = shade::sample_cosine(outwards, u, v);
         let mut way = Way::default();
         way.add(self.scene.geometry.surface(emitter.primitive).entity);
         let photon = Flying { index, hops: 0, media: Media::VACUUM, way };

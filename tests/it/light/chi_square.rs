@@ -13,9 +13,10 @@ use warpfront::light::{
     Photon, Receiver, Sky, Straight, Target, Tree, View,
 };
 use warpfront::scene::Baked;
-use warpfront::shade::dielectric::fresnel;
+
 use warpfront::shade::{
-    Crossing, Environment, Incidence, LatLong, Lobe, Material, Media, Sampler, evaluate, scatter,
+    Crossing, Dielectric, Diffuse, Environment, Incidence, LatLong, Lobe, Material, Media, Mirror, Sampler,
+    evaluate, fresnel, scatter,
 };
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
@@ -30,14 +31,16 @@ fn numbers<const N: usize>(random: &mut Random) -> [f64; N] {
 /// One material for each kind of lobe.
 fn lobes() -> Vec<Material> {
     let all = [
-        Lobe::Diffuse { albedo: Vec3::new(0.9, 0.5, 0.1) },
-        Lobe::Mirror { reflectance: Vec3::splat(0.9) },
-        Lobe::Dielectric { ior: 1.5, tint: Vec3::ONE },
+        Lobe::Diffuse(Diffuse { albedo: Vec3::new(0.9, 0.5, 0.1) }),
+        Lobe::Mirror(Mirror { reflectance: Vec3::splat(0.9) }),
+        Lobe::Dielectric(Dielectric { ior: 1.5, tint: Vec3::ONE }),
     ];
     // A new kind of lobe does not compile until it is in the list.
     for lobe in all {
         match lobe {
-            Lobe::Diffuse { .. } | Lobe::Mirror { .. } | Lobe::Dielectric { .. } => {}
+            Lobe::Diffuse(Diffuse { .. })
+            | Lobe::Mirror(Mirror { .. })
+            | Lobe::Dielectric(Dielectric { .. }) => {}
         }
     }
     all.map(|lobe| Material { lobe, ..Material::default() }).to_vec()
@@ -83,7 +86,7 @@ fn lobes_scatter_with_the_density_that_they_evaluate_to() {
 #[test]
 fn glass_reflects_as_often_as_fresnel_says() {
     let (materials, mut random, mut verdict) = (lobes(), Random::new(2), Verdict::default());
-    let glass = materials.iter().position(|m| matches!(m.lobe, Lobe::Dielectric { .. })).unwrap();
+    let glass = materials.iter().position(|m| matches!(m.lobe, Lobe::Dielectric(Dielectric { .. }))).unwrap();
     for number in 0..40 {
         let mut incidence = incidence(&mut random, glass);
         incidence.shading_normal = incidence.normal;

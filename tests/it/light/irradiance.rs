@@ -8,7 +8,7 @@ use crate::support::{
 };
 use glam::{DMat3, DVec3, Vec3};
 use std::f64::consts::{PI, SQRT_2};
-use warpfront::shade::dielectric::fresnel;
+use warpfront::shade::fresnel;
 use warpfront::shade::{Environment, LatLong};
 use warpfront::trace::Run;
 

@@ -1,0 +1,75 @@
+//! Lambertian reflection.
+
+use glam::{DVec3, Vec3};
+
+use super::model::Bsdf;
+use crate::math::frame::tangents;
+use crate::math::sin_cos_turns;
+use crate::shade::incidence::{Bounce, Incidence};
+
+/// Lambertian reflection, both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diffuse {
+    /// Reflected fraction of the irradiance, in [0, 1] per channel.
+    pub albedo: Vec3,
+}
+
+impl Bsdf for Diffuse {
+    const NAME: &'static str = "diffuse";
+    const IS_SPECULAR: bool = false;
+
+    #[inline(always)]
+    fn sample(&self, incidence: &Incidence, _: impl FnOnce() -> f64, u: [f32; 4]) -> Option<Bounce> {
+        let (normal, shading) = incidence.facing();
+        let out = sample_cosine(shading, u[0].into(), u[1].into());
+        // A shading normal can send light through the surface; such paths carry nothing.
+        let absorbed = self.albedo == Vec3::ZERO || out.dot(normal) <= 0.0;
+        let (density, media) = (cosine_density(shading, out), incidence.media);
+        (!absorbed).then_some(Bounce { direction: out, weight: self.albedo, density, media })
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Option<(Vec3, f64)> {
+        let (normal, shading) = incidence.facing();
+        let density = cosine_density(shading, out);
+        (density > 0.0 && out.dot(normal) > 0.0).then(|| (self.albedo * density as f32, density))
+    }
+
+    fn albedo(&self) -> Vec3 {
+        self.albedo
+    }
+}
+
+/// A direction around the unit vector `normal` with density cos θ/π, from two numbers in [0, 1).
+///
+/// The throughput of a cosine-sampled Lambertian bounce is the albedo alone.
+pub fn sample_cosine(normal: DVec3, u: f64, v: f64) -> DVec3 {
+    let (tangent, bitangent) = tangents(normal);
+    let radius = u.sqrt();
+    let (sin, cos) = sin_cos_turns::sin_cos(v);
+    radius * (cos * tangent + sin * bitangent) + (1.0 - u).sqrt() * normal
+}
+
+/// Density of [`sample_cosine`] in solid angle.
+fn cosine_density(normal: DVec3, direction: DVec3) -> f64 {
+    normal.dot(direction).max(0.0) / std::f64::consts::PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_cosine_of_cosine_sampled_directions_is_two_thirds() {
+        let normal = DVec3::new(0.48, -0.6, 0.64);
+        let n = 200;
+        let mut mean = 0.0;
+        for i in 0..n * n {
+            let (u, v) = ((i / n) as f64 + 0.5, (i % n) as f64 + 0.5);
+            let direction = sample_cosine(normal, u / n as f64, v / n as f64);
+            assert!((direction.length() - 1.0).abs() < 1e-14);
+            mean += direction.dot(normal);
+        }
+        assert!((mean / (n * n) as f64 - 2.0 / 3.0).abs() < 1e-4);
+    }
+}
