@@ -123,8 +123,8 @@ impl<R: Real> PlaneArc<R> {
 }
 
 impl<R: Real> Step<R> {
-    /// Displacement from the step's start to its end, along the radius at the start and across it: good to the rounding of
-    /// the step's own length, however far the centre.
+    /// Displacement from the step's start to its end, along the radius at the start and across it: good to the rounding
+    /// of the step's own length, however far the centre.
     #[inline(always)]
     pub fn displacement(&self) -> [R; 2] {
         let (w0, w1) = (self.start.w, self.end.w);

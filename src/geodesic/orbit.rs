@@ -89,8 +89,8 @@ pub struct Step<R> {
     pub leverage: R,
 }
 
-/// Least distance of an impact parameter from the critical one, in roundings and relative: closer, rounding would decide
-/// where the ray turns.
+/// Least distance of an impact parameter from the critical one, in roundings and relative: closer, rounding would
+/// decide where the ray turns.
 const CLOSEST: f64 = 64.0;
 
 /// Rounding of w′² + b² w² − n², relative to the terms and to that of one operation.

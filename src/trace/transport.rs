@@ -95,9 +95,9 @@ pub trait Transport: Send + Sync + Sized {
     type Segment: SideBySide;
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
-    /// Payload of a ray: its state beside place and direction, which passes from its start to its end, and on to the rays
-    /// that start there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither memory nor
-    /// time. Rays of the camera and of lamps start with the default.
+    /// Payload of a ray: its state beside place and direction, which passes from its start to its end, and on to the
+    /// rays that start there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither
+    /// memory nor time. Rays of the camera and of lamps start with the default.
     type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
     /// True if all rays are straight lines.
     const IS_STRAIGHT: bool = false;

@@ -31,8 +31,8 @@ impl Cluster {
     }
 
     /// Surface-area-orientation heuristic of \[C\]: how often the cluster is in doubt, times what is at stake, with the
-    /// area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters in a
-    /// row has no area.)
+    /// area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters in
+    /// a row has no area.)
     pub fn cost(&self) -> f64 {
         self.power * self.min.distance_squared(self.max) * self.cone.measure()
     }

@@ -43,8 +43,8 @@ const MOST_FOR_SAGITTA: u32 = 8;
 const MOST_FOR_LENGTH: u32 = 60;
 /// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
 const OUTSIDE: f64 = 0.5;
-/// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take it
-/// in.
+/// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
+/// it in.
 const EDGE: f64 = 0.7;
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
