@@ -40,7 +40,7 @@ const PHOTONS: u32 = 1 << 15;
 const NEIGHBOURHOOD: usize = 8;
 /// Neighbourhoods of a turn.
 const NEIGHBOURHOODS: usize = 2;
-/// Samples for whose number edges are looked for at most: there are hardly more to be found.
+/// Most samples for whose number edges are searched: there are hardly more to be found.
 const EDGE_SPP: u32 = 256;
 /// Samples that are taken of the edges found.
 const EDGE_SAMPLES: u32 = 2;

@@ -68,8 +68,8 @@ impl TransportVisitor for Shooting<'_> {
     }
 }
 
-/// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, what was found along it,
-/// and where the ray landed on it if it did. With the shot comes what the ray carries at its end.
+/// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, the hit found along
+/// it, and the landing of the ray on it, if any. With the shot comes the ray's payload at its end.
 pub(super) fn follow<T: Transport>(
     transport: &T,
     geometry: &Geometry,

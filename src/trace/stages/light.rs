@@ -30,12 +30,12 @@ const LEAST_CHANCE: f64 = 0.1;
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
 const NEAR: f64 = 1e-3;
 
-/// The probability with which a path sends out a light ray: where it carries little, few are worth their time.
+/// Probability with which a path sends out a light ray: where its throughput is small, few are worth their time.
 pub fn chance(path: &Path) -> f64 {
     f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
 }
 
-/// A ray from where a path lands to a light, from four numbers in [0, 1); `None` if it would bring nothing.
+/// Light ray from where a path lands, from four numbers in [0, 1); `None` if it would contribute nothing.
 #[inline]
 pub fn propose(
     job: &Job,
@@ -81,9 +81,9 @@ pub enum Progress<Flight> {
     Flying(Flight),
     /// It ended: at its target or not.
     Ended(bool),
-    /// One that looks for light behind mirrors and glass landed.
+    /// One that is aimed through mirrors and glass landed.
     Landed(Landing),
-    /// One that does left to infinity, with this unit direction there.
+    /// One so aimed left to infinity, with this unit direction there.
     Escaped(DVec3),
 }
 
