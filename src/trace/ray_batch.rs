@@ -40,8 +40,8 @@ impl<T: Transport> Default for RayBatch<T> {
 }
 
 impl<T: Transport> RayBatch<T> {
-    /// Ends of the rays from `from`, in their order, and their payloads there, as [`follow`](super::shoot::follow) gives
-    /// for each; not worth anything once `halt` is due.
+    /// Ends of the rays from `from`, in their order, and their payloads there, as [`follow`](super::shoot::follow)
+    /// gives for each; not worth anything once `halt` is due.
     pub fn follow(
         &mut self,
         transport: &T,
