@@ -1,4 +1,4 @@
-//! What a surface does with light: one lobe and an emission.
+//! Material of a surface: one lobe and an emission.
 
 use glam::Vec3;
 
@@ -27,11 +27,11 @@ pub enum Lobe {
 /// A material: a lobe and what the surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// How light scatters.
+    /// Scattering lobe.
     pub lobe: Lobe,
     /// Emitted radiance, the same in all directions.
     pub emission: Vec3,
-    /// Whether the back of the surface (against its normal) emits as well.
+    /// True if the back of the surface (against its normal) emits as well.
     pub emits_both_sides: bool,
 }
 
@@ -47,17 +47,17 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether the surface emits light at all.
+    /// True if the surface emits light at all.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
     }
 
-    /// Whether light from one direction leaves in many: light sampling helps.
+    /// True if light from one direction leaves in many: light sampling helps.
     pub fn spreads_light(&self) -> bool {
         matches!(self.lobe, Lobe::Diffuse { albedo } if albedo != Vec3::ZERO)
     }
 
-    /// Whether light from one direction leaves in one or two: a mirror, glass.
+    /// True if light from one direction leaves in one or two: a mirror, glass.
     pub fn is_specular(&self) -> bool {
         match self.lobe {
             Lobe::Diffuse { .. } => false,
@@ -65,7 +65,7 @@ impl Material {
         }
     }
 
-    /// Whether light goes through.
+    /// True if light goes through.
     pub fn is_dielectric(&self) -> bool {
         matches!(self.lobe, Lobe::Dielectric { .. })
     }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Crossing, Lobe, Material, Media, dielectric, diffuse, mirror};
 
-/// Where light meets a surface.
+/// Incidence of light on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Incidence {
     /// Unit direction of travel.
