@@ -89,7 +89,7 @@ pub struct SmallScene {
 }
 
 impl SmallScene {
-    /// Searches blocks of queries. Only where there are [few](Geometry::is_few) primitives.
+    /// Searches blocks of queries. Only where there are [few](Geometry::is_small) primitives.
     pub fn search<S: SideBySide>(&mut self, geometry: &Geometry, queries: &[<Query<S> as Row>::Block]) {
         widest(Searching::<S> { geometry, queries, few: self });
     }
