@@ -56,7 +56,7 @@ pub fn shown(c: char) -> impl Iterator<Item = char> {
     plain.into_iter().chain(escaped.into_iter().flatten())
 }
 
-/// Whether a character moves the cursor, ends a line, changes the direction of writing or commands a terminal.
+/// True if a character moves the cursor, ends a line, changes the direction of writing or commands a terminal.
 ///
 /// All of them are below U+10000.
 pub fn is_control(c: char) -> bool {

@@ -4,6 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::files::Files;
+use super::flaw::Flaw;
 use crate::text;
 
 /// An asset file that cannot be used.
@@ -46,26 +47,5 @@ impl AssetError {
     /// Reads a file whole.
     pub(super) fn read(path: &Path, files: &Files) -> Result<Vec<u8>, Self> {
         files.read(path).map_err(|source| AssetError::Read { path: path.to_owned(), source })
-    }
-}
-
-/// Something wrong inside a file, before the file's name is attached.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Flaw {
-    /// What is wrong, and where in the file.
-    pub problem: String,
-    /// What to do about it.
-    pub help: String,
-}
-
-impl Flaw {
-    /// A flaw from its two sentences.
-    pub fn new(problem: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { problem: problem.into(), help: help.into() }
-    }
-
-    /// The same flaw, with the place in the file in front.
-    pub fn at(self, place: impl std::fmt::Display) -> Self {
-        Self { problem: format!("{place}: {}", self.problem), ..self }
     }
 }

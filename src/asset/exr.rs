@@ -13,7 +13,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::error::Flaw;
+use super::flaw::Flaw;
 use super::memory::Memory;
 use super::primaries::{REC709, ToRec709, luminance_weights};
 

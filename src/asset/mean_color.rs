@@ -5,7 +5,7 @@ use std::hash::Hash;
 
 use glam::Vec3;
 
-use super::error::Flaw;
+use super::flaw::Flaw;
 use super::image::mean_colour;
 use super::memory::Memory;
 

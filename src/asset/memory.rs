@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-use super::error::Flaw;
+use super::flaw::Flaw;
 
 use crate::text::bytes;
 

@@ -5,6 +5,7 @@
 mod error;
 pub mod exr;
 mod files;
+mod flaw;
 mod gltf;
 mod image;
 mod mean_color;
@@ -17,8 +18,9 @@ mod primaries;
 mod statements;
 mod tidy;
 
-pub use error::{AssetError, Flaw};
+pub use error::AssetError;
 pub use files::Files;
+pub use flaw::Flaw;
 pub use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
 pub use memory::Memory;

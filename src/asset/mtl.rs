@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::error::Flaw;
 use super::files::Files;
+use super::flaw::Flaw;
 use super::mean_color::MeanColors;
 use super::notes::Notes;
 use super::statements::{Statement, Statements};

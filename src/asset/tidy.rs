@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::error::Flaw;
+use super::flaw::Flaw;
 use crate::geometry::Mesh;
 
 /// Checks `mesh`, drops its degenerate triangles and gives unusable normals a value; returns the number dropped, which

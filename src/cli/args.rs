@@ -38,7 +38,7 @@ pub(super) struct Cli {
     pub(super) simd: SimdLevel,
 }
 
-/// What to do.
+/// Subcommand.
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Render a scene to an OpenEXR file and a PNG preview
@@ -363,7 +363,7 @@ mod tests {
         Cli::command().debug_assert();
     }
 
-    /// What stands behind `[default: ` in the help of each flag that takes a value.
+    /// Default of each flag that takes a value: the text behind `[default: ` in its help.
     fn defaults(command: &clap::Command) -> BTreeMap<String, Option<String>> {
         let flags = command.get_arguments().filter(|flag| {
             !flag.is_positional() && !flag.is_required_set() && flag.get_action().takes_values()

@@ -72,7 +72,7 @@ fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure
     Ok(contenders)
 }
 
-/// What was raced, and how, but for what is swept.
+/// Conditions of the race, in words, but for what is swept.
 fn conditions(args: &BenchArgs, races: &[Race]) -> String {
     let Point { settings, batch, .. } = &races[0].point;
     let threads = races[0].runs[0].rounds[0].threads;

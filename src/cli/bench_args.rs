@@ -70,7 +70,7 @@ impl BenchArgs {
         set(self.light_sampling, &mut settings.light_sampling);
     }
 
-    /// How the renders run.
+    /// Run options of the renders.
     pub(super) fn run(&self) -> Run {
         let Run { threads, batch, .. } = Run::default();
         Run { threads: self.threads.unwrap_or(threads), batch: self.batch.unwrap_or(batch), ..Run::default() }

@@ -66,7 +66,7 @@ fn spare_inputs(output: &Path, inputs: [&Path; 2]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the PNG shows.
+/// Quantity and colour scale of the PNG, in words.
 fn scale() -> String {
     format!(
         "|A - B|/sqrt(B² + {EPSILON}), root mean square of R, G, B; logarithmic, {} and below black, \
@@ -75,7 +75,7 @@ fn scale() -> String {
     )
 }
 
-/// What is beyond the bounds that were given, one line each.
+/// Excesses over the bounds that were given, one line each.
 fn excesses(args: &CompareArgs, comparison: &Comparison) -> Vec<String> {
     let Comparison { beauty, verdict, .. } = comparison;
     let mut excesses = Vec::new();
@@ -101,7 +101,7 @@ fn excesses(args: &CompareArgs, comparison: &Comparison) -> Vec<String> {
     excesses
 }
 
-/// What is printed.
+/// Report to print.
 #[derive(Serialize)]
 struct Report<'a> {
     a: &'a str,
@@ -161,7 +161,7 @@ fn row(channel: &Channel) -> String {
     )
 }
 
-/// What the sums of a channel lack.
+/// Pairs left out of the sums of a channel, in words.
 fn left_out(channel: &Channel) -> Option<String> {
     let Channel { name, non_finite, non_finite_unequal, .. } = channel;
     (*non_finite > 0).then(|| {

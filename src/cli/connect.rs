@@ -56,7 +56,7 @@ struct Task {
     pair: Pair,
 }
 
-/// What has been done so far.
+/// Counts of pairs and connections so far.
 #[derive(Default)]
 struct Counts {
     pairs: usize,
@@ -69,7 +69,7 @@ struct Job {
     max_winding: u32,
     header: Header,
     spacetime: Parameters,
-    /// Where labels, if there are any, and inputs are.
+    /// Columns of labels, if there are any, and of inputs.
     pair: Option<usize>,
     kind: Option<usize>,
     inputs: Vec<(&'static str, usize)>,
@@ -98,7 +98,7 @@ impl Job {
         })
     }
 
-    /// Whether a pair of this label has been met before.
+    /// Looks up a label, and adds it if it is new: true if a pair of this label has been met before.
     fn is_known(&mut self, label: &[u8], line: u64, inputs: Pair) -> Result<bool, Failure> {
         match self.met.get(label) {
             None => {

@@ -1,4 +1,4 @@
-//! What a render will cost, before it is started.
+//! Cost of a render, before it is started.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ const UNKNOWN: f64 = 1.0;
 /// … and of the ratio of two times up to which they are about the same.
 const SAME: f64 = 0.2;
 
-/// What may end a render before all samples are there.
+/// Limits that may end a render before all samples are there.
 pub(super) struct Limits {
     /// `--time-limit`.
     pub(super) time: Option<Duration>,
@@ -63,7 +63,7 @@ fn spread(estimate: Estimate) -> Option<f64> {
     (spread < UNKNOWN).then_some(spread)
 }
 
-/// What ends a render of so many seconds before.
+/// Limits that may end a render of so many seconds early, in words.
 fn until(limits: &Limits, seconds: f64) -> String {
     let mut text = String::new();
     if let Some(noise) = limits.noise {

@@ -1,4 +1,4 @@
-//! Why a command ended without a result, as the user reads it.
+//! Failure of a command to give a result, as the user reads it.
 
 use std::error::Error;
 use std::fmt;

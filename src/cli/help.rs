@@ -1,4 +1,4 @@
-//! What stands below the flags in `--help`: examples and exit codes.
+//! Text below the flags in `--help`: examples and exit codes.
 
 /// A subcommand's examples, and the exit codes.
 macro_rules! below {

@@ -26,7 +26,7 @@ use crate::trace::{Run, probe};
 
 /// Significant digits of places and lengths: about what glTF's numbers hold.
 const PLACE: usize = 6;
-/// How long the probe may take.
+/// Time limit of the probe.
 const PROBE: Duration = Duration::from_secs(1);
 
 /// Prints what a scene holds.
@@ -44,7 +44,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
     Ok(Outcome::Good)
 }
 
-/// What there is to tell.
+/// Report on a scene.
 #[derive(Serialize)]
 struct Report<'a> {
     scene: String,

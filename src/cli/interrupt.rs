@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use super::say::say;
 use crate::film::atomic;
 
-/// What the thread that waits for signals and the render know of each other.
+/// State shared by the thread that waits for signals and the render.
 #[derive(Clone, Default)]
 pub(super) struct Interrupt {
     has_picture: Arc<AtomicBool>,
@@ -55,7 +55,7 @@ impl Interrupt {
         &self.cancelled
     }
 
-    /// Whether the render was interrupted.
+    /// True if the render was interrupted.
     pub(super) fn happened(&self) -> bool {
         self.cancelled.load(Ordering::SeqCst)
     }
@@ -87,7 +87,7 @@ fn end_by(signal: i32) -> ! {
     process::exit(128 + signal)
 }
 
-/// Whether whoever started the process had it ignore `signal`, as `nohup` does; unknown but on Linux.
+/// True if whoever started the process had it ignore `signal`, as `nohup` does; unknown but on Linux.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -10,7 +10,7 @@ use super::units::plural;
 use crate::study::report::Report;
 use crate::study::rounds::{self, Study};
 
-/// What was given without repetitions, or else what is `usual`.
+/// Values that were given, without repetitions, or else the `usual` ones.
 pub(super) fn distinct_or<T: Copy + PartialEq>(given: &[T], usual: &[T]) -> Vec<T> {
     distinct(if given.is_empty() { usual } else { given })
 }

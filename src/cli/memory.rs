@@ -1,4 +1,4 @@
-//! Whether a picture fits in memory, asked before it is allocated.
+//! Check that a picture fits in memory, before it is allocated.
 
 use std::num::NonZero;
 

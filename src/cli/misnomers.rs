@@ -13,7 +13,7 @@ struct Misnomer {
     names: &'static str,
     /// The flag that does it here, if one does.
     flag: Option<&'static str>,
-    /// What to do instead.
+    /// Advice on what to do instead.
     advice: &'static str,
 }
 
@@ -212,7 +212,7 @@ pub(super) fn advise(error: &mut Error, mut program: Command, arguments: &[OsStr
     }
 }
 
-/// What an error says that is unknown.
+/// Unknown name that an error reports.
 fn unknown(error: &Error, kind: ContextKind) -> Option<String> {
     match error.get(kind) {
         Some(ContextValue::String(name)) => Some(name.clone()),
@@ -220,7 +220,7 @@ fn unknown(error: &Error, kind: ContextKind) -> Option<String> {
     }
 }
 
-/// What does the job of `flag` in `command`.
+/// Advice on what does the job of `flag` in `command`.
 fn advice(flag: &str, command: &Command) -> Option<&'static str> {
     let flag = flag.to_lowercase().replace('_', "-");
     let has = |name: &str| command.get_arguments().any(|known| known.get_long() == Some(name));

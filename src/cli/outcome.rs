@@ -1,6 +1,6 @@
-//! How a command ended.
+//! Outcome of a command.
 
-/// How a command that did not fail ended.
+/// Outcome of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     /// All is there.

@@ -20,13 +20,13 @@ pub(super) struct Outputs {
     stats: Option<Output>,
 }
 
-/// Whether both paths lead to the same file, which exists.
+/// True if both paths lead to the same file, which exists.
 pub(super) fn same_file(a: &Path, b: &Path) -> bool {
     let there = |path| fs::canonicalize(path).ok();
     there(a).is_some_and(|a| Some(a) == there(b))
 }
 
-/// What `--stats` writes.
+/// Record that `--stats` writes.
 #[derive(Serialize)]
 struct Record<'a> {
     version: &'static str,
@@ -50,7 +50,7 @@ impl Outputs {
         })
     }
 
-    /// Where they go.
+    /// Paths of the files.
     pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
         [Some(&self.exr), self.png.as_ref(), self.stats.as_ref()].into_iter().flatten().map(Output::path)
     }

@@ -237,12 +237,12 @@ pub(super) fn json(text: &OsStr) -> Result<PathBuf, String> {
     with_extension(text, &["json"])
 }
 
-/// Whether this could be the name of a scene.
+/// True if this could be the name of a scene.
 pub(super) fn names_a_scene(text: &str) -> bool {
     with_extension(OsStr::new(text), &["toml", "gltf", "glb", "obj"]).is_ok()
 }
 
-/// What file names begin with.
+/// Prefix of file names.
 pub(super) fn prefix(text: &OsStr) -> Result<PathBuf, String> {
     let named =
         Path::new(text).file_name().is_some() && !text.to_string_lossy().ends_with(std::path::is_separator);

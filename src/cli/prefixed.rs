@@ -22,7 +22,7 @@ impl Files {
         Ok(Self { csv: csv?, svg: svg?, png: png? })
     }
 
-    /// Where they go.
+    /// Paths of the files.
     pub(super) fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.csv, &self.svg, &self.png].into_iter().map(Output::path)
     }

@@ -1,4 +1,4 @@
-//! How far work has come, on stderr: a bar on a terminal, else a plain line now and then.
+//! Progress of work, on stderr: a bar on a terminal, else a plain line now and then.
 
 use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
@@ -17,7 +17,7 @@ use crate::trace::Progress;
 /// Time from one plain line to the next, and before the first.
 const INTERVAL: Duration = Duration::from_secs(2);
 
-/// How progress is shown.
+/// Display of progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Show {
     /// A bar on a terminal that can draw one, else plain lines.
@@ -61,16 +61,16 @@ pub(super) struct Meter {
 
 /// The work under way.
 struct Work {
-    /// What it is called until it is counted.
+    /// Name of the work until it is counted.
     name: String,
-    /// What it is counted in.
+    /// Unit in which it is counted.
     unit: &'static str,
     since: Instant,
     /// Nothing before there is something to count.
     progress: Option<Progress>,
     /// Samples per pixel of a picture.
     spp: Option<u32>,
-    /// When the picture began, and how long it may take.
+    /// Start of the picture, and its time limit.
     limit: Option<(Instant, Duration)>,
 }
 

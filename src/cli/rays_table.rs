@@ -118,7 +118,7 @@ impl Columns {
         Ok((spacetime, ray))
     }
 
-    /// Why the ray in a line cannot be followed.
+    /// Failure for a line whose ray cannot be followed.
     pub(super) fn refuse(&self, line: u64, fault: &Fault) -> Failure {
         let column = match fault.input {
             Input::Parameter(column) => &format!("column `{column}`"),

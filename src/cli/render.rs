@@ -52,7 +52,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     })
 }
 
-/// What is said of a picture that is worth nothing.
+/// Failure of a render in which no pixel has a sample.
 fn no_sample() -> Failure {
     Failure::new("the time limit was over before any pixel had a sample: nothing is written")
         .help("give a longer --time-limit, a smaller --max-depth or coarser tolerances")

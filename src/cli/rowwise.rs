@@ -18,14 +18,14 @@ use super::table::{Header, Table};
 use crate::film::atomic::Output;
 use crate::study::table::io_error;
 
-/// What a command does with the rows of a table.
+/// Work of a command on the rows of a table.
 pub(super) trait RowWise: Sync {
-    /// What is read of a row.
+    /// Task read from a row.
     type Task: Sync;
-    /// What is found.
+    /// Answer to a task.
     type Answer: Send;
 
-    /// What follows the program's name in the comment above the results.
+    /// Settings, which follow the program's name in the comment above the results.
     fn settings(&self) -> String;
 
     /// Columns that are written.
@@ -45,10 +45,10 @@ pub(super) trait RowWise: Sync {
         out: &mut csv::Writer<impl Write>,
     ) -> csv::Result<()>;
 
-    /// What was done in so many seconds, on one line.
+    /// Summary of what was done in so many seconds, on one line.
     fn summary(&self, seconds: f64) -> String;
 
-    /// How many answers were lost, which `--strict` minds.
+    /// Number of lost answers, which `--strict` minds.
     fn lost(&self) -> usize;
 }
 
@@ -56,15 +56,15 @@ pub(super) trait RowWise: Sync {
 pub(super) struct Setup<'a> {
     /// The table.
     pub(super) input: &'a Path,
-    /// What it has in a row, and in all.
+    /// Name of what it has in a row, and of what it has in all.
     pub(super) what: [&'static str; 2],
     /// Standard output if there is none.
     pub(super) output: Option<&'a Path>,
     /// 0 means one per core.
     pub(super) threads: usize,
-    /// How progress is shown.
+    /// Display of progress.
     pub(super) progress: Show,
-    /// Whether lost answers count.
+    /// True if lost answers count.
     pub(super) strict: bool,
 }
 
@@ -85,7 +85,7 @@ impl Setup<'_> {
         Ok(if self.strict && job.lost() > 0 { Outcome::Lost } else { Outcome::Good })
     }
 
-    /// Where the answers were written, in words; none if the reader of standard output has gone away.
+    /// Writes the answers, and tells where, in words; none if the reader of standard output has gone away.
     fn write(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
         let Some(path) = self.output else {
             return match self.stream(table, job, io::stdout().lock()) {

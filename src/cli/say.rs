@@ -1,4 +1,4 @@
-//! What commands say on stderr and print on stdout, fit for a terminal.
+//! Messages of commands on stderr and their output on stdout, fit for a terminal.
 
 use std::fmt::Display;
 use std::io::{self, Write};

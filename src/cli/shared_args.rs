@@ -31,13 +31,13 @@ pub(super) struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// What is asked of the scene.
+    /// Load options of the scene.
     pub(super) fn options(&self) -> Result<LoadOptions, Failure> {
         Ok(self.changes.options(self.reads.files(&self.path)?))
     }
 }
 
-/// How much memory may be used.
+/// Limit on memory.
 #[derive(Debug, Default, Args)]
 pub(super) struct MemoryArgs {
     /// Most memory to use, such as 8G or 500M; what would not fit is an error [default: what the system leaves]
@@ -52,7 +52,7 @@ impl MemoryArgs {
     }
 }
 
-/// What may be read.
+/// Limits on reading.
 #[derive(Debug, Default, Args)]
 pub(super) struct ReadArgs {
     #[command(flatten)]
@@ -68,7 +68,7 @@ impl ReadArgs {
         self.memory.memory()
     }
 
-    /// What reads the files of the scene at a path.
+    /// Reader of the files of the scene at a path.
     pub(super) fn files(&self, scene: &Path) -> Result<Files, Failure> {
         let files = Files::within(self.memory.memory());
         if !self.confine {
@@ -82,7 +82,7 @@ impl ReadArgs {
     }
 }
 
-/// What is changed in a scene.
+/// Changes to a scene.
 #[derive(Debug, Args)]
 pub(super) struct ChangeArgs {
     /// Set a value of the scene file; may be given several times [default: none]
@@ -103,7 +103,7 @@ pub(super) struct ChangeArgs {
 }
 
 impl ChangeArgs {
-    /// What is asked of the scene, whose files `files` reads.
+    /// Load options of the scene, whose files `files` reads.
     pub(super) fn options(&self, files: Files) -> LoadOptions {
         LoadOptions {
             overrides: self.overrides.clone(),
@@ -146,7 +146,7 @@ impl OutputArgs {
     }
 }
 
-/// What goes over the settings of the scene file.
+/// Settings that go over those of the scene file.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct SettingArgs {
@@ -195,7 +195,7 @@ pub(super) struct SettingArgs {
     mis: Option<Heuristic>,
 }
 
-/// How rays are integrated.
+/// Accuracy of the integration of rays.
 #[derive(Debug, Default, Args)]
 pub(super) struct AccuracyArgs {
     /// Preset of --stepper, --tolerance and --arc-tolerance, over the scene's values [default: none; `standard` is what
@@ -223,7 +223,7 @@ pub(super) fn set<T: Copy>(flag: Option<T>, value: &mut T) {
 }
 
 impl AccuracyArgs {
-    /// Whether the tolerance is given.
+    /// True if the tolerance is given.
     pub(super) fn has_tolerance(&self) -> bool {
         self.tolerance.is_some()
     }
@@ -278,7 +278,7 @@ pub(super) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
     distinct
 }
 
-/// What is rendered, and by whom.
+/// Crop and planes to render, and the workers.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Run")]
 pub(super) struct ShareArgs {
@@ -296,7 +296,7 @@ pub(super) struct ShareArgs {
     crop: Option<[usize; 4]>,
 }
 
-/// How the render runs.
+/// Run options of the render.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Run")]
 pub(super) struct RunArgs {

@@ -1,4 +1,4 @@
-//! What is said after a render.
+//! Summary of a render.
 
 use super::units::decimal;
 use crate::trace::{Fates, Rendered};
@@ -24,7 +24,7 @@ pub(super) fn line(rendered: &Rendered, asked_spp: u32) -> String {
     parts.join(", ")
 }
 
-/// What the picture lacks of what was asked for, one line each.
+/// Losses of the picture against what was asked for, one line each.
 pub(super) fn losses(rendered: &Rendered, asked_spp: u32, interrupted: bool) -> Vec<String> {
     let Fates { step_limit, non_finite, .. } = rendered.stats.counters.fates;
     let mut losses = Vec::new();

@@ -52,7 +52,7 @@ fn unreadable(table: &str, what: &str, error: &dyn std::error::Error) -> Failure
         .help(format!("name a CSV file with a {what} per row"))
 }
 
-/// Why a table cannot be read on.
+/// Failure of reading on in a table.
 fn explain(table: &str, what: &str, error: &csv::Error) -> Failure {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
@@ -74,13 +74,13 @@ pub(super) fn line(row: &ByteRecord) -> u64 {
 #[derive(Clone)]
 pub(super) struct Header {
     table: String,
-    /// What a row is.
+    /// Name of what a row holds.
     what: &'static str,
     names: ByteRecord,
 }
 
 impl Header {
-    /// Where the column `name` is, if there is one.
+    /// Index of the column `name`, if there is one.
     pub(super) fn place(&self, name: &str) -> Result<Option<usize>, Failure> {
         let mut places = self.names.iter().enumerate().filter(|(_, found)| *found == name.as_bytes());
         let first = places.next().map(|(place, _)| place);
@@ -91,7 +91,7 @@ impl Header {
         }
     }
 
-    /// Where `needed` columns are.
+    /// Names and indices of the `needed` columns.
     pub(super) fn all(&self, needed: &[&'static str]) -> Result<Vec<(&'static str, usize)>, Failure> {
         let place = |&name: &&'static str| {
             let place = self.place(name)?.ok_or_else(|| {
@@ -103,7 +103,7 @@ impl Header {
         needed.iter().map(place).collect()
     }
 
-    /// Where all of `names` are; none if not one of them is there.
+    /// Indices of the columns of all `names`; none if not one of them is there.
     ///
     /// Some without the others are refused.
     pub(super) fn places<const N: usize>(&self, names: [&str; N]) -> Result<Option<[usize; N]>, Failure> {
@@ -137,7 +137,7 @@ impl Header {
         })
     }
 
-    /// What is wrong in a line.
+    /// Failure in a line.
     pub(super) fn at(&self, line: u64, place: &str, cause: &str) -> Failure {
         Failure::new(format!("`{}`, line {line}, {place}: {cause}", self.table))
     }

@@ -38,7 +38,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
     })
 }
 
-/// How rays are followed, and how they have ended so far.
+/// Columns and accuracy of the rays, and a tally of their ends so far.
 struct Job {
     columns: Columns,
     accuracy: Accuracy,
@@ -114,7 +114,7 @@ fn results(exit: &Exit) -> [String; RESULTS.len()] {
     ]
 }
 
-/// How many rays ended how.
+/// Number of rays by status.
 #[derive(Default)]
 struct Tally([usize; Status::ALL.len()]);
 

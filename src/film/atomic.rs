@@ -35,15 +35,15 @@ pub fn abandon() -> impl Sized {
     unfinished
 }
 
-/// Why a file could not be written.
+/// Failure to write a file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write `{}`: {cause}", path.display())]
 pub struct OutputError {
     /// The file that was to be written, as the caller named it.
     pub path: PathBuf,
-    /// What went wrong, in words.
+    /// Cause of the failure, in words.
     pub cause: String,
-    /// What to do about it.
+    /// Remedy for it.
     pub remedy: String,
 }
 
@@ -93,7 +93,7 @@ impl Output {
     /// Lets `write` fill the file and puts it in place.
     ///
     /// # Errors
-    /// What `write` reports, or the file system; the target is then as it was before.
+    /// Error of `write`, or of the file system; the target is then as it was before.
     pub fn commit(
         self,
         write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,

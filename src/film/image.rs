@@ -35,7 +35,7 @@ impl Image {
         self.planes.iter().find(|plane| plane.name == name).map(|plane| plane.values.as_slice())
     }
 
-    /// Whether the data window is a part of the picture and every plane fills it.
+    /// True if the data window is a part of the picture and every plane fills it.
     pub fn is_consistent(&self) -> bool {
         let fits = |start: usize, size: usize, whole: usize| size > 0 && start + size <= whole;
         fits(self.origin.0, self.size.0, self.width)

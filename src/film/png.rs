@@ -1,4 +1,4 @@
-//! The PNG preview: what the picture looks like, at a glance.
+//! PNG preview of a picture, tone-mapped.
 
 use std::io::{self, Write};
 
@@ -15,7 +15,7 @@ use super::tone::to_srgb8;
 /// Colours are premultiplied, so that leaving alpha out shows them over black. A PNG with alpha holds them divided by it.
 ///
 /// # Errors
-/// What `out` reports, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.
+/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.
 pub fn write_png(image: &Image, exposure: f64, transparent: bool, out: impl Write) -> io::Result<()> {
     let [Some(red), Some(green), Some(blue), Some(alpha)] = BEAUTY.map(|name| image.plane(name)) else {
         return Err(invalid("the picture has no colour channels"));
@@ -41,7 +41,7 @@ pub fn write_png(image: &Image, exposure: f64, transparent: bool, out: impl Writ
 /// Writes `pixels`, 8-bit sRGB row by row, of a picture of `size` as they are.
 ///
 /// # Errors
-/// What `out` reports, and [`io::ErrorKind::InvalidData`] if `pixels` do not fill `size` or are too many for a PNG.
+/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if `pixels` do not fill `size` or are too many for a PNG.
 pub fn write_rgb8(pixels: &[[u8; 3]], size: (usize, usize), out: impl Write) -> io::Result<()> {
     write_pixels(pixels, size, ExtendedColorType::Rgb8, out)
 }

@@ -12,13 +12,13 @@ use super::plane::Aov;
 use crate::asset::exr::{Colours, ExrFile};
 use crate::asset::{Files, Flaw};
 
-/// Why an EXR could not be read: missing, unreadable, damaged, too large, or a kind of EXR that holds no plain picture.
+/// Failure to read an EXR: missing, unreadable, damaged, too large, or a kind of EXR that holds no plain picture.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read `{}`: {}", path.display(), flaw.problem)]
 pub struct ReadError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Flaw found in it.
     pub flaw: Flaw,
 }
 
@@ -128,7 +128,7 @@ impl Shown {
         Ok(Self { start: (x.0, y.0), origin: (x.1, y.1), size: (x.2, y.2) })
     }
 
-    /// Where the pixel at a column and row of the data window is, row by row.
+    /// Index of the pixel at a column and row of the data window, row by row.
     fn index(&self, x: usize, y: usize) -> Option<usize> {
         let (x, y) = (x.checked_sub(self.start.0)?, y.checked_sub(self.start.1)?);
         (x < self.size.0 && y < self.size.1).then_some(y * self.size.0 + x)

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::fate::Fate;
 
-/// What one path leaves in its pixel.
+/// Record that one path leaves in its pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
     /// Radiance that it found.
@@ -18,7 +18,7 @@ pub struct Sample<'a> {
 /// End of a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraRay {
-    /// How it ended; all but the length is of a hit only.
+    /// Fate of the ray; all that follows but the length is of a hit only.
     pub fate: Fate,
     /// Coordinate path length, scene units; 0 unless some plane needs it.
     pub length: f64,

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// Display value (linear, 0 to 1) up to which nothing is changed; the rest of the range is left to highlights.
 const KNEE: f32 = 0.8;
-/// How fast compressed highlights lose their colour.
+/// Rate at which compressed highlights lose their colour.
 const DESATURATION: f32 = 0.15;
 /// Radiance beyond which the curve is flat in f32; keeps infinities out of the arithmetic.
 const BRIGHTEST: f32 = 1e9;

@@ -21,7 +21,7 @@ impl Wanted {
         Aov::ALL.iter().copied().filter(move |&plane| self.0[plane as usize])
     }
 
-    /// What a render must record for them.
+    /// Records that they need of a render.
     pub fn needs(self) -> Needs {
         self.planes().fold(Needs::NOTHING, |needs, plane| needs.and(plane.definition().needs))
     }

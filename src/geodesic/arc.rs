@@ -22,7 +22,7 @@ columns! {
     pub struct Arc => ArcBlock {
         /// Start.
         p0: DVec3,
-        /// Where the tangents at both ends meet.
+        /// Intersection of the tangents at both ends.
         p1: DVec3,
         /// End.
         p2: DVec3,
@@ -123,8 +123,8 @@ impl<R: Real> PlaneArc<R> {
 }
 
 impl<R: Real> Step<R> {
-    /// Where the step ends, from its start, along the radius there and across it: good to the rounding of the step's
-    /// own length, however far the centre.
+    /// Displacement from the step's start to its end, along the radius at the start and across it: good to the rounding
+    /// of the step's own length, however far the centre.
     #[inline(always)]
     pub fn displacement(&self) -> [R; 2] {
         let (w0, w1) = (self.start.w, self.end.w);

@@ -6,7 +6,7 @@ use crate::math::fast_log2;
 use crate::math::real::Real;
 use crate::spacetime::ConformallyFlat;
 
-/// What steps are held to, and how their length follows.
+/// Step-size control: the tolerances of steps, and how their length follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control<R> {
     /// Largest error of a ray's direction, all its steps together, radians.
@@ -26,7 +26,7 @@ pub struct Control<R> {
 /// A step, judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict<R> {
-    /// Whether the step is good enough to be taken.
+    /// True if the step is good enough to be taken.
     pub accepted: bool,
     /// Length in ξ to try next: from the step's end if it is taken, else from its start.
     pub next_h: R,
@@ -82,7 +82,7 @@ impl<R: Real> Control<R> {
         }
     }
 
-    /// Whether a step ends on the branch of the orbit on which it starts.
+    /// True if a step ends on the branch of the orbit on which it starts.
     ///
     /// Above the critical impact parameter a ray stays on its side of the photon sphere, below it keeps its sense. Near
     /// the circular ray both branches come so close that a loose tolerance would let a ray change over.
@@ -121,20 +121,20 @@ impl<R: Real> Control<R> {
         Verdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
     }
 
-    /// Whether an arc is so near the curve that what meets the one meets the other as well as is asked for.
+    /// True if an arc is so near the curve that what meets the one meets the other to the accuracy asked for.
     #[inline(always)]
     pub fn is_close(&self, arc: &PlaneArc<R>) -> bool {
         let [x, y] = arc.end;
         arc.error * arc.error <= self.negligible * (x * x + y * y)
     }
 
-    /// What sets the length of a step: the angle swept, and the growth of the index towards the horizon.
+    /// Rate that sets the length of a step: the angle swept, and the growth of the index towards the horizon.
     #[inline(always)]
     fn rate(&self, b: R, phase: &Phase<R>) -> R {
         b + phase.index(b) / self.room(phase.w)
     }
 
-    /// How far the index is from a pole, in inverse radius.
+    /// Distance of the index from a pole, in inverse radius.
     #[inline(always)]
     fn room(&self, w: R) -> R {
         if self.horizon < R::of(f64::INFINITY) { self.horizon - w } else { w }

@@ -4,7 +4,7 @@ use super::{Control, Phase, Step, Stepper};
 use crate::math::real::Real;
 use crate::spacetime::{ConformallyFlat, Fate};
 
-/// How a ray ends.
+/// End of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End<R> {
     /// It crosses the sphere outwards in this phase, having swept this angle.
@@ -22,7 +22,7 @@ pub enum End<R> {
 /// A ray, followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Journey<R> {
-    /// How it ended.
+    /// End of the ray.
     pub end: End<R>,
     /// Inverse radius of the point nearest to the centre, if the ray passes one.
     pub periastron: Option<R>,

@@ -27,7 +27,7 @@ use crate::math::frame;
 use crate::math::real::Real;
 use crate::spacetime::{ConformallyFlat, Fate};
 
-/// Where a ray starts: the plane of its orbit, and the constants that decide its fate.
+/// Start of a ray: the plane of its orbit, and the constants that decide its fate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Launch {
     /// Unit vector from the centre to the start.
@@ -40,11 +40,11 @@ pub struct Launch {
     pub w: f64,
     /// Its rate: minus the radial momentum.
     pub v: f64,
-    /// How the ray ends if nothing is in its way.
+    /// Fate of the ray if nothing is in its way.
     pub fate: Fate,
 }
 
-/// Where a ray is on its orbit.
+/// Phase of a ray on its orbit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phase<R> {
     /// Inverse isotropic radius.
@@ -60,9 +60,9 @@ pub struct Phase<R> {
 pub struct Step<R> {
     /// Impact parameter.
     pub b: R,
-    /// Where it starts.
+    /// Phase at its start.
     pub start: Phase<R>,
-    /// Where it ends.
+    /// Phase at its end.
     pub end: Phase<R>,
     /// Inverse of the index at the end.
     pub per_index: R,
@@ -81,16 +81,16 @@ pub struct Step<R> {
     pub undone: R,
     /// Relative violation of w′² + b² w² = n² before it was undone.
     pub drift: R,
-    /// What a step must keep small beside 1 to make sense at all: the estimated error of w′ relative to n, the drift, and
-    /// how far the constraint is from being linear over what was undone.
+    /// Strain, which must be small beside 1 for the step to make sense at all: the estimated error of w′ relative to n,
+    /// the drift, and how far the constraint is from being linear over what was undone.
     pub strain: R,
-    /// How far an error moves the ray along its orbit, squared, in units of the error itself: large close to the circular
-    /// ray, where everything but the angle moves slowly.
+    /// Displacement of the ray along its orbit by an error, squared, in units of the error itself: large close to the
+    /// circular ray, where everything but the angle moves slowly.
     pub leverage: R,
 }
 
-/// How close to the critical one an impact parameter may be, in roundings and relative: closer, rounding would decide
-/// where the ray turns.
+/// Least distance of an impact parameter from the critical one, in roundings and relative: closer, rounding would
+/// decide where the ray turns.
 const CLOSEST: f64 = 64.0;
 
 /// Rounding of w′² + b² w² − n², relative to the terms and to that of one operation.

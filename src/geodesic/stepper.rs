@@ -37,7 +37,7 @@ pub trait Stepper: Copy + Send + Sync {
     /// Order of the method.
     const ORDER: u32;
 
-    /// How its error is estimated.
+    /// Estimate of its error.
     const ESTIMATE: Estimate;
 
     /// One step of length `h` from ξ = 0, given W, dW/dξ and G there.
@@ -233,7 +233,8 @@ pub(super) mod tests {
         }
     }
 
-    /// The same of a Nyström method: row sums are c²/2, and weights integrate 1 − s and 1 \[H, II.14\].
+    /// Nodes and quadrature conditions of a Nyström method, and those of its estimate: row sums are c²/2, and weights
+    /// integrate 1 − s and 1 \[H, II.14\].
     pub fn check_nystrom<const S: usize>(tableau: &Nystrom<S>, order: u32, lower: [u32; 2]) {
         for i in 0..S {
             moment(&tableau.a[i], &tableau.c, 0, 0.5 * tableau.c[i] * tableau.c[i]);

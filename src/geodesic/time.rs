@@ -7,7 +7,7 @@
 //! t = [−v/w] + ∫ g/w dψ.
 //! ```
 //!
-//! What is left grows like a logarithm. With g₀ = g(0), with v = dw/dψ and its sign s, which does not change within a
+//! The rest grows like a logarithm. With g₀ = g(0), with v = dw/dψ and its sign s, which does not change within a
 //! step,
 //!
 //! ```text
@@ -17,7 +17,7 @@
 //! whose integrand is bounded at infinity: there g and |v| = √(n² − b²w²) differ from g₀ and 1 by O(w). Beside a
 //! horizon w is far from 0, and n²/w² is integrated as it is.
 //!
-//! Where a ray is steep, the last integral is one over w, by dψ = dw/v, and so as exact as the ends of the step. A
+//! If a ray is steep, the last integral is one over w, by dψ = dw/v, and so as exact as the ends of the step. A
 //! step's length in ψ is not: of a radial ray, which keeps its direction whatever ψ, nothing controls it. Elsewhere v
 //! may vanish, and the integral is one over ψ along the step's dense output.
 

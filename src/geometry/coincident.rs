@@ -24,7 +24,7 @@ const NEAR_START: f64 = 1e-4;
 const PROBE: f64 = 8.0;
 
 impl Geometry {
-    /// How high over a surface a point may be that lies on it.
+    /// Largest height over a surface at which a point counts as on it.
     fn slack(&self, primitive: PrimitiveId, support: &SupportingSurface, point: DVec3) -> f64 {
         let largest = |v: DVec3| v.abs().max_element();
         let reach =
@@ -36,7 +36,7 @@ impl Geometry {
         }
     }
 
-    /// Whether two primitives lie upon each other at a point of the first, if both reach there.
+    /// True if two primitives coincide at a point of the first, provided that both reach there.
     fn coincide(&self, one: PrimitiveId, other: PrimitiveId, point: DVec3) -> bool {
         let [support, beside] = [one, other].map(|primitive| self.support(primitive));
         let (normal, (height, beside_normal)) = (support.height(point).1, beside.height(point));
@@ -44,7 +44,7 @@ impl Geometry {
         height.abs() <= slack && normal.cross(beside_normal).length_squared() <= PARALLEL
     }
 
-    /// Whether a crossing of a segment may be its start: what it leaves lies there, and more may.
+    /// True if a crossing of a segment may be its start: the primitive that it leaves lies there, and others may.
     #[inline(always)]
     pub(super) fn is_near_start(&self, start: DVec3, point: DVec3) -> bool {
         let near =
@@ -65,7 +65,7 @@ impl Geometry {
         if leaving.leaves_also(first.primitive, first.s) { self.first(segment, leaving) } else { Some(first) }
     }
 
-    /// What comes near each sphere; nothing at all if to find out would be much work.
+    /// Primitives near each sphere; empty if finding them would be much work.
     pub(super) fn near_spheres(&self) -> Vec<Vec<PrimitiveId>> {
         /// Most pairs of a sphere and a primitive that are looked at.
         const PAIRS: usize = 1 << 18;

@@ -1,4 +1,4 @@
-//! What a plane cuts out of the primitives.
+//! Cross-sections of the primitives in a plane.
 
 use glam::DVec3;
 

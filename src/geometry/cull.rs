@@ -43,7 +43,7 @@ impl Cull {
         Self { start, along, bow, sweep: bow.cross(along), reach, room, until: 1.0 }
     }
 
-    /// What lies beyond this part of the chord does not matter any more.
+    /// Ends the search at this part of the chord.
     #[inline(always)]
     pub fn end_at(&mut self, part: f64) {
         self.until = self.until.min(part as f32 * (1.0 + 4.0 * f32::EPSILON));

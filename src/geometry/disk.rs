@@ -14,7 +14,7 @@ impl Disk {
         self.normal.dot(p - self.center)
     }
 
-    /// Whether a point of the disk's plane lies between its radii.
+    /// True if a point of the disk's plane lies between its radii.
     #[inline(always)]
     pub(super) fn holds(&self, p: DVec3) -> bool {
         let radius2 = (p - self.center).length_squared();

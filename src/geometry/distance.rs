@@ -1,4 +1,4 @@
-//! How near and how far geometry reaches from a point: the radii between which rays must be searched for hits.
+//! Smallest and largest distance of geometry from a point: the radii between which rays must be searched for hits.
 
 use glam::DVec3;
 

@@ -13,8 +13,8 @@ use crate::math::prefetch::prefetch;
 impl Geometry {
     /// The first primitive that `segment` meets; `leaves` is the one it starts on.
     ///
-    /// Where two primitives are met at the very same parameter the one that was given first wins, whatever the order of
-    /// the hierarchy.
+    /// Of two primitives met at the very same parameter the one that was given first wins, whatever the order of the
+    /// hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
         let first = self.first(segment, origin_prim)?;
@@ -32,12 +32,12 @@ impl Geometry {
     }
 }
 
-/// What a segment starts on; crossings at its start do not count.
+/// Primitives that a segment starts on; their crossings at its start do not count.
 pub(super) trait Leaving: Copy {
-    /// Whether it starts on a primitive.
+    /// True if the segment starts on a primitive.
     fn starts_on(&self, primitive: PrimitiveId) -> bool;
 
-    /// Whether a crossing of another primitive at `s` is but the start: the segment leaves that one as well.
+    /// True if a crossing of another primitive at `s` is but the start: the segment leaves that one as well.
     fn leaves_also(&self, primitive: PrimitiveId, s: f64) -> bool;
 }
 
@@ -91,7 +91,7 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
         Self { geometry, segment, along: Along::new(segment.chord()), origin_prim, hit: None }
     }
 
-    /// What is to be walked along.
+    /// Chord to walk the hierarchy along.
     #[inline(always)]
     pub(super) fn chord(&self) -> Chord {
         self.along.chord
@@ -247,7 +247,7 @@ fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
     (lane < LEAF_SIZE as u32).then_some((leaf * LEAF_SIZE) as u32 + lane)
 }
 
-/// How far along its chord a segment has to be searched.
+/// Extent of a search along the chord of a segment.
 struct Along {
     chord: Chord,
     /// The part of the chord that matters.

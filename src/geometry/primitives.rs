@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::mesh::{Instance, Mesh};
 
-/// What a primitive belongs to.
+/// Material and entity of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Surface {
     /// Index into the baked materials.

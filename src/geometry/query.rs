@@ -1,9 +1,9 @@
-//! What a search is asked: a segment, and how it is to be searched.
+//! Query of a search: a segment, and how it is to be searched.
 
 use super::PrimitiveId;
 use crate::math::columns::{LANES, Row, plain_field};
 
-/// How a move is to be searched.
+/// Kind of search that a move needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Need {
     /// Not at all: it meets nothing.
@@ -22,9 +22,9 @@ plain_field!(Need);
 pub struct Query<S> {
     /// The segment, world coordinates.
     pub segment: S,
-    /// What it starts on.
+    /// Primitive that it starts on.
     pub origin_prim: PrimitiveId,
-    /// How it is to be searched.
+    /// Kind of search that it needs.
     pub need: Need,
 }
 

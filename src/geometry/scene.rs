@@ -32,12 +32,12 @@ impl Default for PrimitiveId {
     }
 }
 
-/// Where a segment meets a primitive.
+/// Hit of a segment on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Segment parameter.
     pub s: f64,
-    /// What is met.
+    /// Primitive that is hit.
     pub primitive: PrimitiveId,
 }
 
@@ -53,7 +53,7 @@ pub struct SurfacePoint {
 }
 
 columns! {
-    /// What a primitive is a part of: a sphere, or a plane, whose radius is 0.
+    /// Surface that a primitive is a part of: a sphere, or a plane, whose radius is 0.
     pub struct SupportingSurface => CarrierBlock {
         /// Centre of the sphere, or a point of the plane.
         anchor: DVec3,
@@ -82,7 +82,7 @@ impl SupportingSurface {
     }
 }
 
-/// How much there is.
+/// Numbers of primitives, meshes and instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Spheres.
@@ -151,12 +151,12 @@ pub struct Geometry {
     pub(super) placed: Vec<Placed>,
     pub(super) counts: Counts,
     pub(super) typical_extent: f64,
-    /// What comes near each sphere, so that it may lie upon it; empty if that is not known.
+    /// Primitives near each sphere, which may coincide with it; empty if that is not known.
     pub(super) near_spheres: Vec<Vec<PrimitiveId>>,
 }
 
 impl Geometry {
-    /// What is in a slot of the top hierarchy.
+    /// Item in a slot of the top hierarchy.
     #[inline(always)]
     pub(super) fn item(&self, slot: u32) -> Item {
         let index = self.bvh.order()[slot as usize];
@@ -219,7 +219,7 @@ impl Geometry {
         a.s < b.s || (a.s == b.s && self.given(a.primitive) < self.given(b.primitive))
     }
 
-    /// What sorts primitives in the order in which they were given.
+    /// Sort key of primitives: the order in which they were given.
     #[inline(always)]
     pub(super) fn given(&self, primitive: PrimitiveId) -> (u32, u32) {
         (self.bvh.order()[primitive.item as usize], primitive.triangle)
@@ -255,7 +255,7 @@ impl Geometry {
         }
     }
 
-    /// Whether a world point of a primitive's carrier lies on the primitive itself.
+    /// True if a world point of a primitive's supporting surface lies on the primitive itself.
     pub fn covers(&self, primitive: PrimitiveId, point: DVec3) -> bool {
         let point = point - self.origin;
         match self.item(primitive.item) {
@@ -327,7 +327,7 @@ impl Geometry {
         SurfacePoint { normal, shading_normal, surface: placed.surface }
     }
 
-    /// What `primitive` belongs to.
+    /// Material and entity of `primitive`.
     pub fn surface(&self, primitive: PrimitiveId) -> Surface {
         match self.item(primitive.item) {
             Item::Sphere(i) => self.spheres[i as usize].1,
@@ -377,7 +377,7 @@ impl Geometry {
         self.typical_extent
     }
 
-    /// How much there is.
+    /// Numbers of primitives, meshes and instances.
     pub fn counts(&self) -> Counts {
         self.counts
     }

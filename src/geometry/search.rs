@@ -1,6 +1,6 @@
 //! Searches of many segments at once.
 //!
-//! Where there are few primitives, segments are tested side by side ([`few`](super::few)). Elsewhere each is taken
+//! With few primitives, segments are tested side by side ([`small_scene`](super::small_scene)). Otherwise each is taken
 //! through the hierarchy, several interleaved: while one waits for memory, others go on.
 
 use glam::DVec3;
@@ -20,13 +20,13 @@ use crate::math::kernel::widest;
 pub struct Found {
     /// World position of the crossing.
     pub point: DVec3,
-    /// What is crossed.
+    /// Primitive that is hit.
     pub primitive: PrimitiveId,
 }
 
 /// Segments to be searched and what they meet first. Its memory is used again from round to round.
 pub struct Search<S: SideBySide> {
-    /// What to search.
+    /// Queries to search.
     pub queries: Columns<Query<S>>,
     /// The first crossing, by lane; nothing for what is not to be searched as a whole.
     pub found: Vec<Option<Found>>,
@@ -67,7 +67,8 @@ impl Geometry {
         }
     }
 
-    /// What a query finds of which the first hit is near the start, where what coincides with what it leaves is left as well.
+    /// First hit of a query whose first crossing is near its start: primitives that coincide there with the one that it
+    /// leaves are left as well.
     #[cold]
     #[inline(never)]
     fn found_near_start<S: SideBySide>(&self, query: &Query<S>) -> Option<Found> {

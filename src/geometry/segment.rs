@@ -1,4 +1,4 @@
-//! What a ray is made of when the scene is searched for hits: lines in flat space, arcs in curved.
+//! Segments that a ray is made of when the scene is searched for hits: lines in flat space, arcs in curved.
 
 use glam::{DAffine3, DVec3};
 
@@ -26,7 +26,7 @@ pub struct Chord {
 /// The intersections give the smallest s at which the segment crosses the shape, infinite if there is none. `leaves` says
 /// that the segment starts on that very shape: the crossing at s = 0 is then divided out exactly, and later ones count.
 pub trait Segment: Copy {
-    /// Whether it may leave its chord, and so come back to a plane that it starts on.
+    /// True if it may leave its chord, and so come back to a plane that it starts on.
     const BENDS: bool;
     /// Chord and bow.
     fn chord(&self) -> Chord;

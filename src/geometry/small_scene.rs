@@ -14,7 +14,7 @@ use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
 use crate::math::columns::{LANES, Row};
 use crate::math::kernel::widest;
 
-/// What is not a number meets nothing.
+/// Shift that makes a segment NaN, so that it meets nothing.
 const NOWHERE: DVec3 = DVec3::NAN;
 
 /// First crossings of the segments of a block.
@@ -22,7 +22,7 @@ const NOWHERE: DVec3 = DVec3::NAN;
 struct Crossings {
     /// Parameters; infinite where there is none.
     s: [f64; LANES],
-    /// What is crossed.
+    /// Slots of the primitives crossed.
     slot: [u32; LANES],
 }
 
@@ -38,13 +38,13 @@ struct Pending {
 const MOST: usize = u128::BITS as usize / LANES;
 const _: () = assert!(<Arc as SideBySide>::FEW <= MOST);
 
-/// Where the segments of a block may cross spheres. What is found is looked at when all spheres have been screened:
-/// a branch for each would be as good as random.
+/// Candidate crossings of spheres by the segments of a block, examined when all spheres have been screened: a branch
+/// for each would be as good as random.
 #[derive(Default)]
 pub struct Culled {
     count: usize,
     slots: [u32; MOST],
-    /// What changes its sign where a segment crosses, as Bernstein coefficients by lane.
+    /// Polynomial that changes its sign where a segment crosses, as Bernstein coefficients by lane.
     along: [[[f64; LANES]; 5]; MOST],
     /// By sphere and lane, whether the coefficients differ in sign.
     may: u128,
@@ -80,7 +80,7 @@ impl Culled {
     }
 }
 
-/// What segments meet first. Its memory is used again from round to round.
+/// First hits of segments. Its memory is used again from round to round.
 #[derive(Default)]
 pub struct SmallScene {
     best: Vec<Crossings>,
@@ -89,7 +89,7 @@ pub struct SmallScene {
 }
 
 impl SmallScene {
-    /// Searches blocks of queries. Only where there are [few](Geometry::is_few) primitives.
+    /// Searches blocks of queries. Only where there are [few](Geometry::is_small) primitives.
     pub fn search<S: SideBySide>(&mut self, geometry: &Geometry, queries: &[<Query<S> as Row>::Block]) {
         widest(Searching::<S> { geometry, queries, few: self });
     }
@@ -108,7 +108,7 @@ pub trait SideBySide: Segment + Row {
     /// Up to this many primitives are tested side by side: beyond, a hierarchy is faster.
     const FEW: usize;
 
-    /// What is the same for all spheres.
+    /// Segment with all that is the same for all spheres.
     type Prepared: Row;
 
     /// The segment, prepared.
@@ -175,8 +175,8 @@ impl SideBySide for Arc {
     }
 }
 
-/// What changes its sign where the arcs of a block cross a sphere, as Bernstein coefficients, and whether they have not
-/// all the same sign, 1 or 0.
+/// Culls the arcs of a block against a sphere: the polynomials that change their sign where the arcs cross it, as
+/// Bernstein coefficients, and by lane 1 if they have not all the same sign, else 0.
 #[inline(always)]
 fn cull(
     arcs: &<FromStart as Row>::Block,
@@ -199,12 +199,12 @@ fn cull(
 }
 
 impl Geometry {
-    /// Whether segments of this kind are tested against all primitives side by side.
+    /// True if segments of this kind are tested against all primitives side by side.
     pub fn is_small<S: SideBySide>(&self) -> bool {
         self.bvh.len() <= S::FEW && !self.others.iter().any(|item| matches!(item, Item::Instance(_)))
     }
 
-    /// Whether slot `a` was given before slot `b`.
+    /// True if slot `a` was given before slot `b`.
     #[inline(always)]
     fn is_given_before(&self, a: u32, b: u32) -> bool {
         let order = self.bvh.order();

@@ -64,9 +64,9 @@ impl FromStart {
         Self { start: arc.p0, middle, end, middle2, both, end2, w: arc.w }
     }
 
-    /// What changes its sign where the arc crosses a sphere, as Bernstein coefficients: a quartic, the square of the
-    /// distance from the centre less `radius2`, times the square of the weight. For an arc that `leaves` the sphere, its
-    /// start defines the radius, and the quartic is divided by its root there.
+    /// Polynomial that changes its sign where the arc crosses a sphere, as Bernstein coefficients: a quartic, the
+    /// square of the distance from the centre less `radius2`, times the square of the weight. For an arc that
+    /// `starts_on` the sphere, its start defines the radius, and the quartic is divided by its root there.
     #[inline(always)]
     pub fn along(&self, center: DVec3, radius2: f64, starts_on: bool) -> [f64; 5] {
         let Self { start, middle, end, middle2, both, end2, w } = *self;

@@ -44,7 +44,7 @@ impl Triangle {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// Whether a point of the triangle's plane lies in it, edges included.
+    /// True if a point of the triangle's plane lies in it, edges included.
     pub fn holds(&self, point: DVec3) -> bool {
         self.frame().holds(point)
     }
@@ -71,7 +71,7 @@ impl Triangle {
 }
 
 impl Frame {
-    /// Whether the point `p` of the plane lies in the triangle, edges included.
+    /// True if the point `p` of the plane lies in the triangle, edges included.
     ///
     /// Edges are widened by the rounding of `p` and of the products, so that no ray slips between two triangles.
     #[inline(always)]

@@ -96,7 +96,8 @@ pub enum Standpoint {
     Apart,
 }
 
-/// How near a sphere a place lies on it, relative to the radius: what coincides with the sphere does so but for rounding.
+/// Largest distance of a place that lies on a sphere, relative to the radius: what coincides with the sphere does so
+/// but for rounding.
 const ON: f64 = 1e-9;
 /// Share of points chosen evenly over a sphere if the view is an estimate.
 const EVEN: f64 = 0.1;

@@ -1,9 +1,9 @@
-//! Where light comes from through mirrors and glass, learned from photons.
+//! Guide: directions of light through mirrors and glass, learned from photons.
 //!
 //! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands after
 //! mirrors and glass, light from there came back the same way. Photons that came the same way to the same neighbourhood
 //! are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen from these lobes
-//! has a density known in closed form, so that light found with it can be shared with light that surfaces find by chance,
+//! has a density known in closed form, so that light found with it can be shared with light found by BSDF sampling,
 //! however well or badly the lobes fit.
 //!
 //! Reference for guiding by photons: Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
@@ -75,7 +75,7 @@ struct Lobe {
     plane: [DVec3; 2],
     /// The middle of the lobe there, at the origin.
     middle: DVec2,
-    /// How it moves with the place.
+    /// Gradient of the middle over places.
     gradient: DMat2,
     /// A disk of radius 1 → the lobe's size and shape: lower triangular.
     shape: DMat2,

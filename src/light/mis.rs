@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How light that two densities can find is shared between them.
+/// Heuristic by which light that two densities can find is shared between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]

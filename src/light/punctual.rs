@@ -99,7 +99,7 @@ impl Punctual {
         self.peak() != Vec3::ZERO
     }
 
-    /// The same light, `factor` times as bright.
+    /// Scales the brightness of the light by `factor`.
     pub fn scaled(mut self, factor: f32) -> Self {
         match &mut self {
             Self::Point { intensity: peak, .. }

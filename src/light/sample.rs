@@ -1,4 +1,4 @@
-//! Light samples: a direction, where its ray must end, and what it brings.
+//! Light samples: a direction, the target of its ray, and the light that it brings.
 
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! Light sampling: a direction from which light may come, and its density in solid angle.
 //!
-//! The same in flat and in curved space, as only the [`Aim`] knows rays; one way from top to bottom:
+//! Steps, alike in flat and in curved space, as only the [`Aim`] knows rays:
 //!
 //! 1. a light: by the kind, then an emitter by the light tree;
 //! 2. its place as the aim knows it, and the winding number of a ray to it;

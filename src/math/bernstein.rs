@@ -23,7 +23,7 @@ fn isolate<const N: usize>(c: [f64; N]) -> Option<f64> {
     }
 }
 
-/// Whether a value lies on the positive side; zero does.
+/// True if a value lies on the positive side; zero does.
 #[inline(always)]
 pub fn positive(value: f64) -> bool {
     value >= 0.0

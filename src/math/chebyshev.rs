@@ -37,15 +37,15 @@ impl Chebyshev {
         Self { middle, scale, terms }
     }
 
-    /// The same without the highest terms, each of which is at most `tolerance`.
+    /// Drops the highest terms, each of which is at most `tolerance`.
     pub fn trimmed(&self, tolerance: f64) -> Self {
         let used = self.terms.iter().rposition(|term| term[0].abs() > tolerance).map_or(1, |last| last + 1);
         Self { terms: self.terms[..used].to_vec(), ..*self }
     }
 
-    /// How far the largest ellipse reaches in which the function is likely to be analytic, from the middle of the interval
-    /// and in halves of its length, if the terms have fallen to `tolerance`: those of T_n fall like the nth power of the sum
-    /// of its half-axes.
+    /// Reach of the largest ellipse in which the function is likely to be analytic, from the middle of the interval and
+    /// in halves of its length, if the terms have fallen to `tolerance`: those of T_n fall like the nth power of the
+    /// sum of its half-axes.
     pub fn reach(&self, tolerance: f64) -> f64 {
         let sum = libm::pow(tolerance, -1.0 / self.terms.len() as f64);
         0.5 * (sum + 1.0 / sum)

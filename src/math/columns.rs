@@ -198,7 +198,7 @@ impl<R: Row> Columns<R> {
         size_of_val(&self.blocks[..])
     }
 
-    /// Whether there are no lanes.
+    /// True if there are no lanes.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }

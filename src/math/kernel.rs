@@ -3,7 +3,7 @@
 use super::columns::{LANES, PAIRED, Paired, Row};
 use super::simd;
 
-/// What gives a row from two others, and nothing else.
+/// Function that gives a row from two others, and does nothing else.
 ///
 /// Lanes run side by side only where it is free of calls, loops and branches: both sides of a choice are computed.
 pub trait Kernel: Sync {
@@ -31,7 +31,7 @@ pub fn map<K: Kernel>(
     widest(Map { kernel, a, b, out });
 }
 
-/// The same for a kernel whose result takes the place of its first input.
+/// Runs a kernel over blocks as [`map`] does, its result in the place of its first input.
 pub fn update<K: Kernel<Out = <K as Kernel>::A>>(
     kernel: &K,
     rows: &mut [<K::A as Row>::Block],
@@ -40,7 +40,7 @@ pub fn update<K: Kernel<Out = <K as Kernel>::A>>(
     widest(Update { kernel, rows, b });
 }
 
-/// The same for a kernel of numbers of type `R`: takes two blocks at once if one does not fill the vectors.
+/// Runs a kernel of numbers of type `R` as [`map`] does: takes two blocks at once if one does not fill the vectors.
 pub fn map_full<R, K: Kernel<A: Paired, B: Paired, Out: Paired>>(
     kernel: &K,
     a: &[<K::A as Row>::Block],

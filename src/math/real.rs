@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the march asks of a number.
+/// Number that the march works in.
 ///
 /// Comparisons are those of the value: a derivative never decides anything.
 pub trait Real:

@@ -1,6 +1,6 @@
 //! Axes: from values to places, and where the ticks go.
 
-/// How values are spread over an axis.
+/// Scale of the values over an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -12,9 +12,9 @@ pub enum Scale {
 /// One axis of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What is along it, and its unit.
+    /// Quantity along it, and its unit.
     pub label: String,
-    /// How values are spread.
+    /// Scale of the values.
     pub scale: Scale,
     /// First and last value.
     pub range: [f64; 2],
@@ -56,7 +56,7 @@ impl Axis {
         }
     }
 
-    /// Where `value` is, 0 at the first value and 1 at the last.
+    /// Place of `value`, 0 at the first value and 1 at the last.
     pub(super) fn at(&self, value: f64) -> f64 {
         let [first, last] = self.range;
         match self.scale {

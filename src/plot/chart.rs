@@ -7,9 +7,9 @@ use super::svg::{Align, Drawing};
 /// Curves that look alike and share a line in the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What the legend calls it; empty to leave it out.
+    /// Name in the legend; empty to leave it out.
     pub name: String,
-    /// What it looks like.
+    /// Style of its curves.
     pub style: Style,
     /// Points of each curve, in values of the axes.
     pub curves: Vec<Vec<[f64; 2]>>,

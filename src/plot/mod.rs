@@ -18,7 +18,7 @@ pub use chart::{Chart, Series};
 pub use figure::Figure;
 pub use style::{Color, Style};
 
-/// How a figure is stored.
+/// File format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Vector graphics with live text.

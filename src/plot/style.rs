@@ -1,4 +1,4 @@
-//! What curves look like.
+//! Styles of curves.
 
 /// An sRGB colour as SVG writes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,16 +47,16 @@ pub enum Marker {
     Cross,
 }
 
-/// How a series is drawn.
+/// Style in which a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// Of line, markers and area.
     pub color: Color,
     /// Line width in points; 0 for none.
     pub width: f64,
-    /// Whether the line is broken.
+    /// True if the line is broken.
     pub dashed: bool,
-    /// Whether the area within the curve is filled.
+    /// True if the area within the curve is filled.
     pub filled: bool,
     /// At every point of the curve.
     pub marker: Option<Marker>,

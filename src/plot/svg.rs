@@ -4,7 +4,7 @@ use std::fmt::{Display, Write};
 
 use super::style::{Marker, Style};
 
-/// Where a text stands relative to its anchor.
+/// Alignment of a text relative to its anchor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Start,
@@ -44,7 +44,7 @@ impl Drawing {
         let _ = writeln!(self.body, "{text}");
     }
 
-    /// What `draw` draws, cut off at a box.
+    /// Clips what `draw` draws at a box.
     pub(super) fn clipped(&mut self, [x, y, w, h]: [f64; 4], draw: impl FnOnce(&mut Self)) {
         self.clips += 1;
         let id = self.clips;

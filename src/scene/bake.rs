@@ -4,18 +4,19 @@ use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
 
 use super::advice;
+use super::baked::Baked;
+use super::camera::Camera;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
 use super::error::Fault;
 use super::hole::place_hole;
-use super::populate::MAX_SIDE;
+use super::settings::MAX_SIDE;
 use super::squash::squash;
 use super::systems::{
     Bounds, camera, disk_in_world, framing_camera, invertible, is_aimless, light_in_world, primitive_bounds,
     propagate_transforms, sphere_in_world,
 };
 use super::world::World;
-use super::{Baked, Camera};
 use crate::geometry::{Geometry, Instance, Primitives, Surface};
 use crate::light::Punctual;
 use crate::spacetime::SpacetimeKind;

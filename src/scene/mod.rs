@@ -8,6 +8,7 @@
 mod advice;
 mod bake;
 mod baked;
+mod bare_model;
 mod camera;
 mod check;
 pub mod components;
@@ -41,6 +42,7 @@ pub use settings::{
 use crate::asset::{AssetError, Files, Memory, load_image};
 use crate::shade::Environment;
 use crate::spacetime::SpacetimeKind;
+use bare_model::bare_scene;
 use error::{Fault, SourceText};
 use populate::Source;
 use world::World;
@@ -134,16 +136,6 @@ pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Baked, SceneError
     let mut baked = build(&source, environment, options).map_err(|fault| source.locate(fault))?;
     baked.warnings.append(&mut warnings);
     Ok(baked)
-}
-
-/// The scene file that a model by itself stands for.
-fn bare_scene(path: &Path, component: &str) -> String {
-    format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(bare_name(path)))
-}
-
-/// What that file calls the model; not always the name itself, which may not be text.
-fn bare_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The scene's text with the overrides applied; the rest keeps its lines.

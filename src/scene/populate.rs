@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use toml::Spanned;
 
+use super::bare_model::bare_name;
+use super::camera::Camera;
 use super::check;
 use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, SphereShape};
 use super::error::{Fault, suggestion};
@@ -15,18 +17,14 @@ use super::file::{
 };
 use super::foreign;
 use super::light::light;
+use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
 use super::world::{Look, ModelFormat, World};
-use super::{Camera, MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Settings, bare_name};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
 use crate::spacetime::{Entry, Parameter, Range, SpacetimeKind};
 
-/// Largest image side, pixels.
-pub(super) const MAX_SIDE: usize = 1 << 16;
-/// Most pixels in an image.
-const MAX_PIXELS: usize = 1 << 28;
 /// Albedo of a diffuse material that does not say.
 const DEFAULT_ALBEDO: f32 = 0.8;
 /// Index of refraction of a dielectric that does not say.

@@ -95,6 +95,12 @@ pub enum LightSampling {
     Geodesic,
 }
 
+/// Largest image side, pixels.
+pub(super) const MAX_SIDE: usize = 1 << 16;
+
+/// Most pixels in an image.
+pub(super) const MAX_PIXELS: usize = 1 << 28;
+
 /// Largest winding number of rays to lights: those that go around more often cannot be told from the critical ray.
 pub const MAX_WINDING: u32 = 8;
 

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 pub enum Environment {
     /// No light.
     Black,
-    /// The same radiance from everywhere.
+    /// Constant radiance from everywhere.
     Constant(Vec3),
     /// A vertical gradient, from straight down to the horizon to straight up: the sky of a bare file without light.
     Gradient {
@@ -50,7 +50,7 @@ impl Environment {
         }
     }
 
-    /// Whether no light comes from infinity.
+    /// True if no light comes from infinity.
     pub fn is_black(&self) -> bool {
         matches!(self, Environment::Black) || matches!(self, Environment::Constant(c) if *c == Vec3::ZERO)
     }

@@ -1,10 +1,10 @@
-//! Where light meets a surface, and how it goes on.
+//! Incidence of light on a surface, and its continuation.
 
 use glam::{DVec3, Vec3};
 
 use super::media::{Crossing, Media};
 
-/// Where light meets a surface.
+/// Incidence of light on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Incidence {
     /// Unit direction of travel.

@@ -1,4 +1,4 @@
-//! What a surface does with light: one lobe and an emission.
+//! Material of a surface: one lobe and an emission.
 
 use glam::Vec3;
 
@@ -7,11 +7,11 @@ use super::bsdf::{Diffuse, Lobe};
 /// A material: a lobe and what the surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// How light scatters.
+    /// Scattering lobe.
     pub lobe: Lobe,
     /// Emitted radiance, the same in all directions.
     pub emission: Vec3,
-    /// Whether the back of the surface (against its normal) emits as well.
+    /// True if the back of the surface (against its normal) emits as well.
     pub emits_both_sides: bool,
 }
 
@@ -27,22 +27,22 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether the surface emits light at all.
+    /// True if the surface emits light at all.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
     }
 
-    /// Whether light from one direction leaves in many: light sampling helps.
+    /// True if light from one direction leaves in many: light sampling helps.
     pub fn spreads_light(&self) -> bool {
         !self.lobe.is_specular() && self.lobe.albedo() != Vec3::ZERO
     }
 
-    /// Whether light from one direction leaves in one or two: a mirror, glass.
+    /// True if light from one direction leaves in one or two: a mirror, glass.
     pub fn is_specular(&self) -> bool {
         self.lobe.is_specular()
     }
 
-    /// Whether light goes through.
+    /// True if light goes through.
     pub fn is_dielectric(&self) -> bool {
         self.lobe.ior().is_some()
     }

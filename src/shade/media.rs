@@ -1,4 +1,4 @@
-//! Which dielectrics a path is inside of, nested.
+//! Nested dielectrics that a path is inside of.
 
 /// Dielectrics entered and not left, innermost last, by material index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ impl Media {
     }
 }
 
-/// What light goes from and into where it goes through faces of dielectrics that lie upon each other.
+/// Media from and into which light goes through faces of dielectrics that lie upon each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
     /// The innermost dielectric before, if any; none where light goes through nothing.

@@ -16,14 +16,14 @@ pub struct Sampler {
     independent: bool,
 }
 
-/// What random numbers are for.
+/// Key of random numbers: what they are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Pixel, counted over the whole image row by row.
     pub pixel: u32,
     /// Sample of that pixel.
     pub sample: u32,
-    /// Which four numbers of the sample.
+    /// Index of a set of four numbers of the sample.
     pub set: u32,
 }
 
@@ -45,13 +45,13 @@ impl Sampler {
         four
     }
 
-    /// The same for all of `keys`.
+    /// Four numbers in [0, 1) for each of `keys`.
     pub fn four_all(&self, keys: &[Key], numbers: &mut Vec<[f32; 4]>) {
         numbers.resize(keys.len(), [0.0; 4]);
         widest(All { sampler: self, keys, numbers });
     }
 
-    /// The same for some lanes.
+    /// Four numbers in [0, 1) for each of some lanes.
     #[inline(always)]
     fn lanes<const N: usize>(&self, pixel: [u32; N], sample: [u32; N], set: [u32; N]) -> [[f32; 4]; N] {
         if self.independent {

@@ -40,7 +40,7 @@ impl Sobol {
         Self { points: &POINTS }
     }
 
-    /// What `sobol_burley::sample_4d` gives for each of some lanes: four numbers in [0, 1) of the point `index` below
+    /// Numbers that `sobol_burley::sample_4d` gives for each of some lanes: four in [0, 1) of the point `index` below
     /// [`SEQUENCE`], in the dimensions of `set` below [`SETS`], of the sequence scrambled with `seed`.
     #[inline(always)]
     pub fn four<const N: usize>(self, index: [u32; N], set: [u32; N], seed: [u32; N]) -> [[f32; 4]; N] {

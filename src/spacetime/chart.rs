@@ -1,8 +1,8 @@
-//! How rays end: the fate that constants of motion decide, and where around a scene a ray need not be followed further.
+//! Fates of rays, which constants of motion decide, and charts: the radii between which a ray has to be followed.
 
 use super::conformally_flat::ConformallyFlat;
 
-/// How a ray ends if nothing is in its way.
+/// Fate of a ray if nothing is in its way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fate {
     /// It leaves to infinity.
@@ -35,7 +35,8 @@ pub struct Chart {
     pub inner: f64,
 }
 
-/// How close to the horizon a ray is followed if there is anything that near, relative to the horizon's radius.
+/// Distance from the horizon down to which a ray is followed if there is anything that near, relative to the horizon's
+/// radius.
 const HORIZON_MARGIN: f64 = 1e-6;
 
 impl Chart {
@@ -52,7 +53,7 @@ impl Chart {
         (medium.horizon() * (1.0 + HORIZON_MARGIN)).max(HORIZON_MARGIN * medium.photon_sphere())
     }
 
-    /// Whether a ray of this fate at the inverse radius `w`, moving inwards at the rate `v` = dw/dψ, need not be
+    /// True if a ray of this fate at the inverse radius `w`, moving inwards at the rate `v` = dw/dψ, need not be
     /// followed further.
     #[inline(always)]
     pub fn is_left(&self, fate: Fate, w: f64, v: f64) -> bool {

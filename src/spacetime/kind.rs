@@ -225,7 +225,7 @@ impl SpacetimeKind {
         self.parameters().find(|(p, _)| p.key == SCHWARZSCHILD_RADIUS.key).map_or(0.0, |(_, value)| value)
     }
 
-    /// The same spacetime with another Schwarzschild radius; unchanged if it has none.
+    /// Replaces the Schwarzschild radius; a spacetime without one is unchanged.
     pub fn with_schwarzschild_radius(self, radius: f64) -> Self {
         let Some(center) = self.center() else { return self };
         let value =

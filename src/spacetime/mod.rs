@@ -1,4 +1,4 @@
-//! Spacetimes: one file each and one line in `kind.rs`, and how rays in them end.
+//! Spacetimes: one file each and one line in `kind.rs`, and the fates of rays in them.
 //!
 //! # Adding a static, spherically symmetric spacetime
 //!

@@ -16,7 +16,7 @@ use crate::plot::Figure;
 use crate::scene::{Baked, Filter, Precision, Settings};
 use crate::trace::{Fate, Ray, Run, Shot, Stats, shoot, transport::Outcome};
 
-/// How far rays end from where they should, over those that end in the right way; `None` if none do.
+/// Errors of the ends of rays, over those that end in the right way; `None` if none do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Errors {
     /// Rays compared.
@@ -31,8 +31,8 @@ struct Errors {
     footprint: Option<Spread>,
 }
 
-/// What rays cost, by column: thread time of a camera ray by itself; camera paths traced to their end, on all threads; march
-/// steps and BVH queries per ray of these paths.
+/// Cost of rays, by column: thread time of a camera ray by itself; camera paths traced to their end, on all threads;
+/// march steps and BVH queries per ray of these paths.
 type Cost = [f64; 4];
 
 /// A setting, measured.
@@ -130,7 +130,7 @@ impl Study for CameraRays {
 struct ExactEnds {
     rays: Vec<Ray>,
     ends: Vec<Shot>,
-    /// Where distances are seen from.
+    /// Point that distances are seen from.
     eye: DVec3,
     /// Angle of a pixel, radians.
     pixel: f64,
@@ -186,7 +186,7 @@ impl ExactEnds {
     }
 }
 
-/// Whether two rays have the same fate and, if they land, meet the same entity.
+/// True if two rays have the same fate and, if they land, meet the same entity.
 fn alike(geometry: &Geometry, a: &Shot, b: &Shot) -> bool {
     let entity = |shot: &Shot| match shot.end {
         Outcome::Landed(landing) => Some(geometry.surface(landing.primitive).entity),

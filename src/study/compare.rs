@@ -1,4 +1,4 @@
-//! How far a picture A is from a reference B.
+//! Difference of a picture A from a reference B.
 //!
 //! With a and b the values of one pixel in one channel, over the n pairs that are both finite:
 //!
@@ -9,7 +9,7 @@
 //! | difference of means | Σa/Σb − 1 | none |
 //! | largest difference | the a − b of largest \|a − b\| | the channel's |
 //!
-//! Where a channel has no value it is infinite in both pictures (depth where nothing is hit), so that equal infinities
+//! A channel is infinite in both pictures where it has no value (depth where nothing is hit), so that equal infinities
 //! are equal, as are two NaN; both are left out of the sums.
 
 use std::iter::zip;
@@ -27,13 +27,13 @@ pub const DECADES: f64 = 3.0;
 /// Colour of pixels that cannot be compared; not on the scale.
 const NOT_COMPARABLE: [u8; 3] = [0, 255, 0];
 
-/// Why two pictures cannot be compared.
+/// Error: two pictures cannot be compared.
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
 pub struct Mismatch {
-    /// What is wrong, with the name of the file.
+    /// Problem, in words, with the name of the file.
     pub cause: String,
-    /// What to do about it.
+    /// Remedy.
     pub remedy: &'static str,
 }
 
@@ -48,7 +48,7 @@ pub struct Pair<'a> {
 /// A channel of A and of B.
 type Values<'a> = (&'a [f32], &'a [f32]);
 
-/// What there is to say about two pictures.
+/// Comparison of two pictures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// Data window: first column and row in the picture, and size in pixels.
@@ -63,7 +63,7 @@ pub struct Comparison {
     pub only_b: Vec<String>,
     /// The test for noise, if both pictures have variances.
     pub noise: Option<Noise>,
-    /// What follows for the colours.
+    /// Verdict on the colours.
     pub verdict: Verdict,
 }
 
@@ -100,11 +100,11 @@ pub struct Measures {
     pub difference_of_means: Option<f64>,
     /// Largest \|a − b\|, with its sign, unit of the channel.
     pub largest_difference: f64,
-    /// Where that is: column and row from the top left corner of the whole picture.
+    /// Pixel of that: column and row from the top left corner of the whole picture.
     pub largest_at: (usize, usize),
 }
 
-/// Whether two pictures' colours are the same.
+/// Verdict on whether two pictures' colours are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {

@@ -13,7 +13,7 @@ use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 /// Two points around a centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// What is around the origin.
+    /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
     /// One point, isotropic coordinates.
     pub x: DVec3,
@@ -53,19 +53,19 @@ pub struct Joint {
 pub struct Joints {
     /// In the order of their winding.
     pub found: Vec<Joint>,
-    /// How many more there are, which rounding hides.
+    /// Number of further rays, which rounding hides.
     pub hidden: usize,
 }
 
-/// Why there are no rays between two points.
+/// Error: there are no rays between two points.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{cause}")]
 pub struct Fault {
-    /// What is at fault.
+    /// Input at fault.
     pub input: Input,
-    /// What is wrong with it.
+    /// Problem, in words.
     pub cause: String,
-    /// What to do about it.
+    /// Remedy.
     pub remedy: String,
 }
 
@@ -78,7 +78,7 @@ pub enum Input {
     X,
     /// The point y.
     Y,
-    /// How the points lie to each other.
+    /// Position of the points relative to each other.
     Both,
 }
 

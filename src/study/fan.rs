@@ -27,7 +27,7 @@ pub struct FanOptions {
     pub up: Option<DVec3>,
 }
 
-/// Why there is no such fan.
+/// Error: there is no such fan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FanError {
     /// Rays cannot start there.
@@ -78,7 +78,7 @@ const SLIMMEST: f64 = 0.45;
 const CHART: [f64; 2] = [880.0, 620.0];
 /// Corners of the polygon that stands for a circle.
 const CORNERS: u32 = 256;
-/// How far a ray turns from one piece of its way out of the picture to the next, about, radians.
+/// Angle by which a ray turns from one piece of its way out of the picture to the next, about, radians.
 const CORNER: f64 = 0.005;
 /// Error of that way, radians.
 const PRECISION: f64 = 1e-7;
@@ -118,7 +118,7 @@ impl Fan {
         Ok(Self { polylines: polylines(scene, &rays), hole, cuts, view })
     }
 
-    /// How many rays there are of each fate that occurs, by name.
+    /// Number of rays of each fate that occurs, by name.
     pub fn fates(&self) -> Vec<(&'static str, usize)> {
         let count =
             |fate: Fate| self.polylines.iter().filter(|polyline| Fate::of(&polyline.end) == fate).count();
@@ -209,7 +209,7 @@ impl Fan {
         }
     }
 
-    /// What the picture shows: where rays start and end, and the hole; or the geometry; or a piece of a straight ray.
+    /// Frame of the picture, around the ends of rays and the hole; or the geometry; or a piece of a straight ray.
     fn frame(&self) -> Frame {
         let mut frame = Frame::NOTHING;
         for polyline in &self.polylines {

@@ -1,4 +1,4 @@
-//! How long a render will take, estimated from a short look at it.
+//! Forecast of the time of a render, estimated from a short probe of it.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use crate::trace::{Probe, Reading};
 /// Gain from which on another schedule is worth a word.
 const WORTHWHILE: f64 = 1.03;
 
-/// What a render will take; times are wall time in seconds.
+/// Forecast of a render; times are wall time in seconds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Forecast {
     /// Worker threads.
@@ -18,7 +18,7 @@ pub struct Forecast {
     pub paths: u64,
     /// All of the time.
     pub seconds: Estimate,
-    /// What light sampling learns before the first sample.
+    /// Learning of light sampling before the first sample.
     pub learning: f64,
     /// Camera paths.
     pub sampling: Estimate,

@@ -15,15 +15,15 @@ use crate::trace::steppers::{UseStepper, with_stepper};
 /// A ray to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRay {
-    /// Where it starts, in the chart.
+    /// Start, in the chart.
     pub start: DVec3,
-    /// Where it goes; of any length.
+    /// Direction of travel at the start; of any length.
     pub direction: DVec3,
     /// Isotropic radius of the sphere on which it is to arrive, outwards.
     pub r_out: f64,
 }
 
-/// How exactly rays are followed.
+/// Accuracy with which rays are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
     /// Any but the paper's, which knows neither orbits nor tolerances.
@@ -34,7 +34,7 @@ pub struct Accuracy {
     pub precision: Precision,
 }
 
-/// How a ray ended.
+/// Status of a ray at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// It crossed the sphere outwards.
@@ -65,7 +65,7 @@ impl Status {
         }
     }
 
-    /// Whether numbers failed, and not the ray.
+    /// True if numbers failed, and not the ray.
     pub fn is_lost(self) -> bool {
         matches!(self, Status::StepLimit | Status::NonFinite)
     }
@@ -74,9 +74,9 @@ impl Status {
 /// A ray, followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
-    /// How it ended.
+    /// Status at its end.
     pub status: Status,
-    /// Where it crossed the sphere, if it escaped.
+    /// Crossing of the sphere, if it escaped.
     pub crossing: Option<Crossing>,
     /// Impact parameter L/E, a length.
     pub b: f64,
@@ -91,7 +91,7 @@ pub struct Exit {
 /// The state in which a ray crosses its sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Where, in the chart.
+    /// Position, in the chart.
     pub position: DVec3,
     /// Unit direction of travel.
     pub direction: DVec3,
@@ -111,23 +111,23 @@ pub struct Crossing {
 /// A ray, followed for its end only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// How it ended.
+    /// Status at its end.
     pub status: Status,
-    /// Where it crossed the sphere, in the chart, and its unit direction there, if it escaped.
+    /// Position of the crossing of the sphere, in the chart, and unit direction there, if it escaped.
     pub crossing: Option<(DVec3, DVec3)>,
     /// Steps tried.
     pub steps: u32,
 }
 
-/// Why a ray cannot be followed.
+/// Error: a ray cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{cause}")]
 pub struct Fault {
-    /// What is at fault.
+    /// Input at fault.
     pub input: Input,
-    /// What is wrong with it.
+    /// Problem, in words.
     pub cause: String,
-    /// What to do about it.
+    /// Remedy.
     pub remedy: String,
 }
 
@@ -166,7 +166,7 @@ pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> R
     answer(spacetime, ray, accuracy)
 }
 
-/// What is asked about a ray.
+/// Answer about a ray: its exit, or only its arrival.
 trait Answer: Sized {
     /// In flat space.
     fn straight(exit: Exit) -> Self;
@@ -228,7 +228,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
 }
 
 impl Accuracy {
-    /// Whether there is a stepper for orbits.
+    /// Checks that there is a stepper for orbits.
     ///
     /// # Errors
     /// If the stepper is the paper's.
@@ -317,7 +317,7 @@ fn curved<M: ConformallyFlat, A: Answer>(
     with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData }).ok_or_else(no_orbits)
 }
 
-/// What is asked about an orbit.
+/// Request for the answer about an orbit, for a stepper.
 struct Asked<'a, M, A> {
     orbit: Orbit<'a, M>,
     accuracy: &'a Accuracy,

@@ -1,4 +1,4 @@
-//! What light sampling is worth: errors of pictures over samples and over time, for ways to look for lights.
+//! Gain of light sampling: errors of pictures over samples and over time, for ways to look for lights.
 //!
 //! Errors are those of [`super::compare`], less what the noise of the reference adds to them. Without a bias the mean
 //! square error times the time is constant; the gain of a way is how much smaller that product is than without light
@@ -19,7 +19,7 @@ use crate::plot::{Chart, Figure, Series};
 use crate::scene::{Baked, LightSampling, flag_name};
 use crate::trace::{Progress, Run};
 
-/// What is measured, and how often.
+/// Plan of the measurements, and their number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Ways to look for lights.
@@ -35,7 +35,7 @@ pub struct Plan {
 /// Size of one diagram, points.
 const CHART: [f64; 2] = [470.0, 420.0];
 
-/// Where the reference comes from.
+/// Source of the reference.
 pub enum Source {
     /// Rendered with light sampling along geodesics, with this many samples per pixel.
     Rendered(u32),
@@ -60,7 +60,7 @@ struct Measurement {
     p999: f64,
     /// Mean of the picture over that of the reference; `None` for a black reference.
     mean: Option<Estimate>,
-    /// What is gained.
+    /// Gain over no light sampling.
     gain: Gain,
 }
 
@@ -303,7 +303,7 @@ impl Stack {
     }
 }
 
-/// Where pictures are rendered.
+/// Renderer of the pictures, each with a seed of its own.
 struct Renders<'a> {
     scene: Baked,
     threads: usize,

@@ -1,4 +1,4 @@
-//! What the tracer does, looked at from outside: its rays, its errors, its speed and its pictures.
+//! Studies of the tracer from outside: its rays, its errors, its speed and its pictures.
 //!
 #![doc = include_str!("measurements.md")]
 #![doc = include_str!("columns.md")]

@@ -1,4 +1,4 @@
-//! Whether noise explains the difference of two pictures.
+//! Test of whether noise explains the difference of two pictures.
 //!
 //! Pixels come with the variance v of their mean, so that over any region z = Σ(a − b)/√(Σ(v_a + v_b) + r²) has mean 0
 //! and variance 1 if both pictures show the same. r = ε Σ max(\|a\|, \|b\|), ε of f32: values are stored rounded, maybe
@@ -56,11 +56,11 @@ pub struct Noise {
 /// Single pixels of all colours.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Pixels {
-    /// How many have a z; those without noise and difference have none.
+    /// Number that have a z; those without noise and difference have none.
     pub tested: usize,
-    /// How many have \|z\| > 2; 4.55 % of normal ones do.
+    /// Number that have \|z\| > 2; 4.55 % of normal ones do.
     pub beyond_2: usize,
-    /// How many have \|z\| > 3; 0.27 % of normal ones do.
+    /// Number that have \|z\| > 3; 0.27 % of normal ones do.
     pub beyond_3: usize,
     /// The one of largest \|z\|.
     pub largest: Option<Deviation>,
@@ -78,7 +78,7 @@ pub struct Deviation {
 }
 
 impl Noise {
-    /// Whether chance is a good enough explanation.
+    /// True if chance is a good enough explanation.
     pub fn explains(&self) -> bool {
         self.probability >= SIGNIFICANCE
     }

@@ -14,7 +14,7 @@ pub struct Reference {
     pub noise: Option<Variances>,
 }
 
-/// What the noise of a reference adds to measured errors.
+/// Contributions of the noise of a reference to measured errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Variances {
     /// To the mean square of differences, unit of radiance².

@@ -3,13 +3,13 @@
 
 use crate::trace::Progress;
 
-/// What is measured, how it is measured once, and what follows from all measurements.
+/// A study: its settings, one measurement of a setting, and the findings from all measurements.
 pub trait Study {
     /// One measurement of a setting.
     type Sample;
-    /// What all measurements together say.
+    /// Findings from all measurements together.
     type Findings;
-    /// Why a setting cannot be measured.
+    /// Error: a setting cannot be measured.
     type Error;
 
     /// Number of settings.

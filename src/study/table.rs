@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::errors::{Part, Spread};
 use super::estimate::Estimate;
 
-/// What stands in a printed cell without a value.
+/// Text of a printed cell without a value.
 pub const NONE: &str = "–";
 
 /// A row: the name of each column and the cell in it.

@@ -22,27 +22,27 @@ use crate::spacetime::SpacetimeKind;
 /// A ray, and how it ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
-    /// What it runs in.
+    /// Spacetime that it runs in.
     pub spacetime: SpacetimeKind,
     /// The ray.
     pub ray: FreeRay,
-    /// How it ends.
+    /// Exact end.
     pub exact: Exact,
 }
 
-/// How a ray ends.
+/// Exact end of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
-    /// How.
+    /// Status at the end.
     pub status: Status,
-    /// Where it crosses its sphere, if it escapes.
+    /// Crossing of its sphere, if it escapes.
     pub crossing: Option<Crossing>,
 }
 
-/// Where a ray crosses its sphere.
+/// Crossing of a ray with its sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Where, in the chart.
+    /// Position, in the chart.
     pub position: DVec3,
     /// Unit direction of travel.
     pub direction: DVec3,
@@ -50,7 +50,7 @@ pub struct Crossing {
     pub sens: f64,
 }
 
-/// How far rays end from where they should.
+/// Errors of the ends of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Errors {
     /// Rays.
@@ -61,13 +61,13 @@ struct Errors {
     differ: f64,
     /// Angle between directions, radians.
     direction: Option<Spread>,
-    /// The same over the ray's sensitivity: radians at its start.
+    /// Angle between directions over the ray's sensitivity: radians at its start.
     direction_over_sens: Option<Spread>,
     /// Distance between positions over the radius of the sphere.
     position: Option<Spread>,
-    /// The same over the ray's sensitivity.
+    /// Distance between positions over the radius of the sphere and the ray's sensitivity.
     position_over_sens: Option<Spread>,
-    /// Whether the tolerance is what it says.
+    /// Honesty of the tolerance: errors relative to it.
     honesty: Option<Honesty>,
 }
 
@@ -97,11 +97,11 @@ struct Measurement {
 pub struct Refusal {
     /// Which one.
     pub index: usize,
-    /// Why not.
+    /// Fault of the ray.
     pub fault: Fault,
 }
 
-/// How rays are followed whose ends are not known.
+/// Accuracy with which rays are followed whose ends are not known.
 const EXACT: Accuracy =
     Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-13, precision: Precision::F64 };
 /// Least duration of a measurement, seconds.
@@ -135,7 +135,7 @@ pub struct TableRays<'a> {
     pool: Option<ThreadPool>,
     /// Of the settings: errors, and steps tried per ray.
     found: Vec<(Errors, f64)>,
-    /// How often all rays are followed in one measurement of a setting.
+    /// Number of times that all rays are followed in one measurement, by setting.
     repeats: Vec<usize>,
 }
 

@@ -84,7 +84,7 @@ pub(super) fn through(points: &[(Way, [f64; 2])]) -> Vec<Series> {
     series
 }
 
-/// Where `way` is among `known`, to which it is added if it is not.
+/// Index of `way` among `known`, to which it is added if it is not there.
 fn position(known: &mut Vec<Way>, way: Way) -> usize {
     known.iter().position(|&other| other == way).unwrap_or_else(|| {
         known.push(way);

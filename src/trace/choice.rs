@@ -73,7 +73,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 struct Place<M> {
     medium: M,
     center: DVec3,
-    /// Whether it matters where rays go that leave.
+    /// True if the directions of escaped rays at infinity matter.
     sky: bool,
     chart: Chart,
 }

@@ -12,7 +12,7 @@ const GRACE: Duration = Duration::from_millis(700);
 pub struct Halt<'a> {
     cancel: Option<&'a AtomicBool>,
     deadline: Option<Instant>,
-    /// Whether every pixel has a sample: then the deadline holds as it is.
+    /// True once every pixel has a sample: then the deadline holds as it is.
     has_picture: AtomicBool,
 }
 
@@ -33,7 +33,7 @@ impl<'a> Halt<'a> {
         self.has_picture.store(true, Ordering::Relaxed);
     }
 
-    /// Whether to give up.
+    /// True if it is time to give up.
     pub fn is_due(&self) -> bool {
         let is_late = |deadline: Instant| {
             let late = Instant::now().checked_duration_since(deadline);

@@ -1,4 +1,4 @@
-//! Light sampling as a scene asks for it: its lights, the aim at them, and how found light is shared.
+//! Light sampling as a scene asks for it: its lights, the aim at them, and the heuristic that shares found light.
 
 use glam::{DVec3, Vec3};
 
@@ -10,7 +10,7 @@ use crate::light::{
 };
 use crate::scene::{Baked, LightSampling};
 
-/// What light sampling needs.
+/// State of light sampling: lights, sampler, guide, heuristic.
 pub struct Illumination {
     /// The lights.
     pub lights: Lights,
@@ -18,23 +18,23 @@ pub struct Illumination {
     sampler: Box<dyn LightSampler>,
     /// Directions of light through mirrors and glass, once they are learned.
     pub guide: Option<Guide>,
-    /// How light is shared; `None`: all of it belongs to light sampling, as in the paper, and nothing is learned.
+    /// Heuristic that shares light; `None`: all of it belongs to light sampling, as in the paper, nothing is learned.
     pub heuristic: Option<Heuristic>,
 }
 
 /// Least orientation factor of lights where the straight direction to them is a guess.
 const FLOOR: f64 = 0.1;
 
-/// What light sampling finds in a scene.
+/// Summary of a scene's light sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightSummary {
     /// Surfaces that emit.
     pub surfaces: usize,
     /// Punctual lights.
     pub punctual: usize,
-    /// Whether directions of the sky are sampled.
+    /// True if directions of the sky are sampled.
     pub sky: bool,
-    /// Whether rays are guided through mirrors and glass.
+    /// True if rays are guided through mirrors and glass.
     pub is_guided: bool,
 }
 
@@ -62,7 +62,7 @@ impl Illumination {
         (!lights.is_empty()).then_some(Self { lights, sampler, guide: None, heuristic })
     }
 
-    /// What it will do for `scene`, which it is of.
+    /// Summarizes it for `scene`, which it is of.
     pub fn summary(&self, scene: &Baked) -> LightSummary {
         let surfaces = self.lights.emitters().len();
         LightSummary {
@@ -73,7 +73,7 @@ impl Illumination {
         }
     }
 
-    /// Whether light through mirrors and glass is sampled.
+    /// True if light through mirrors and glass is sampled.
     pub fn is_guided(&self) -> bool {
         self.guide.is_some()
     }
@@ -121,7 +121,7 @@ impl Illumination {
         (1.0 - near.map_or(0.0, |near| near.share)) * density
     }
 
-    /// What is known of light through mirrors and glass at a receiver.
+    /// Neighbourhood of a receiver in the guide; `None` if no light through mirrors and glass is known there.
     fn near(&self, receiver: &Receiver) -> Option<Neighbourhood<'_>> {
         self.guide.as_ref()?.around(receiver.position)
     }
@@ -132,7 +132,7 @@ impl Illumination {
         self.sampler.reaches(target, landing.primitive, landing.position)
     }
 
-    /// Share of a light sample of density `sampled` that a surface would find with density `found`.
+    /// Weight of a light sample of pdf `sampled` whose light BSDF sampling would find with pdf `found`.
     #[inline]
     pub fn share_of_sample(&self, sampled: f64, found: f64) -> f64 {
         self.heuristic.map_or(1.0, |heuristic| heuristic.share(sampled, found))

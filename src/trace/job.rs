@@ -6,7 +6,7 @@ use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::{Media, Sampler};
 
-/// What every kernel may read.
+/// Data that every kernel may read.
 pub struct Job<'a> {
     /// The baked scene.
     pub scene: &'a Baked,
@@ -18,7 +18,7 @@ pub struct Job<'a> {
     pub media: Media,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
-    /// When to give up.
+    /// Interruption and deadline, at which to give up.
     pub halt: Halt<'a>,
 }
 

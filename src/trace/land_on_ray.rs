@@ -40,11 +40,11 @@ pub trait Retrace: Transport {
 }
 
 columns! {
-    /// The part of a step that leads near a carrier.
+    /// The part of a step that leads near a supporting surface.
     pub struct Part => PartBlock {
         /// The part.
         s: f64,
-        /// Whether it leads so near that no step is needed for the rest.
+        /// True if it leads so near that no step is needed for the rest.
         is_near: bool,
     }
 }
@@ -70,7 +70,7 @@ columns! {
 }
 
 columns! {
-    /// Where a ray arrives at a carrier.
+    /// Arrival of a ray at a supporting surface.
     pub struct Arrival => ArrivalBlock {
         /// World position.
         position: DVec3,
@@ -82,7 +82,7 @@ columns! {
 }
 
 impl Pose {
-    /// Distance along the tangent to the carrier.
+    /// Distance along the tangent to the supporting surface.
     #[inline(always)]
     fn ahead(&self, support: &SupportingSurface) -> f64 {
         let (height, normal) = support.height(self.position);
@@ -168,7 +168,7 @@ impl<S: Row> Default for RayLandings<S> {
     }
 }
 
-/// A step, the carrier that it meets, and the part of it where the segment says that is.
+/// A step, the supporting surface that it meets, and the part of it where the segment says that is.
 #[inline(always)]
 fn approach<T: Retrace>(
     transport: &T,
@@ -273,7 +273,7 @@ fn land<T: Retrace>(
     let Arrival { position, direction, s } = *arrival;
     let moved = position.distance(point);
     if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
-        // Both ends lie on the primitive's carrier: what shares that cannot stand between them.
+        // Both ends lie on the primitive's supporting surface: what shares that cannot stand between them.
         let shares_carrier = |other: PrimitiveId| {
             let normal = |primitive| geometry.support(primitive).height(point).1;
             normal(primitive).cross(normal(other)).length_squared() < 1e-18

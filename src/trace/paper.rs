@@ -31,7 +31,7 @@ pub struct PaperMarch<M> {
     pub medium: M,
     /// World position of the hole.
     pub center: DVec3,
-    /// Where rays may stop.
+    /// Radii beyond which rays need not be followed.
     pub chart: Chart,
 }
 
@@ -44,7 +44,7 @@ columns! {
         momentum: DVec3,
         /// Coordinate time to advance next.
         step: f64,
-        /// What the position lies on, until the first step is taken.
+        /// Primitive that the position lies on, until the first step is taken.
         origin_prim: PrimitiveId,
         /// Iterations so far.
         steps: u32,
@@ -67,7 +67,7 @@ columns! {
 const TAIL: f64 = 1e-6;
 
 impl<M: ConformallyFlat> PaperMarch<M> {
-    /// What becomes of a ray, given what its look-ahead found.
+    /// Outcome of a move, given what its look-ahead found.
     #[inline(always)]
     fn outcome(&self, flight: &PaperFlight, step: &PaperMove, found: Option<Found>) -> Outcome<PaperFlight> {
         let steps = flight.steps + 1;
@@ -117,7 +117,7 @@ impl<M: ConformallyFlat> PaperMarch<M> {
     }
 }
 
-/// How moves are searched.
+/// Kernel that builds intersection queries from moves.
 struct Asking {
     center: DVec3,
 }

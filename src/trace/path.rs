@@ -1,11 +1,11 @@
-//! What a path carries from vertex to vertex: the cold columns, touched only where something happens.
+//! State of a path from vertex to vertex: the cold columns, touched only where something happens.
 
 use glam::Vec3;
 
 use crate::math::columns::{columns, plain_field};
 use crate::shade::Media;
 
-/// Which light a path gathers.
+/// Light that a path gathers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gathers {
     /// All.
@@ -26,13 +26,13 @@ columns! {
         pixel: u32,
         /// Sample of that pixel.
         sample: u32,
-        /// Where its result goes in the tile's samples.
+        /// Slot of its result in the tile's samples.
         slot: u32,
         /// Ray segments so far, the one in flight included.
         depth: u32,
         /// Product of bounce weights.
         throughput: Vec3,
-        /// Which light it gathers.
+        /// Light that it gathers.
         gathers: Gathers,
         /// Light gathered so far.
         radiance: Vec3,

@@ -1,4 +1,4 @@
-//! The paths of single rays, for those who want to see them.
+//! Polylines along single rays.
 
 use std::convert::Infallible;
 
@@ -19,11 +19,11 @@ pub struct Polyline {
     pub points: Vec<DVec3>,
     /// Unit direction of travel at the last of them.
     pub heading: DVec3,
-    /// How it ended; never flying.
+    /// Outcome of the ray; never flying.
     pub end: Outcome<Infallible>,
 }
 
-/// How far a trail may cut a corner, relative to the move.
+/// Largest distance by which a polyline may cut a corner, relative to the move.
 const CUT_CORNER: f64 = 2e-5;
 /// Most points along a move.
 const MOST_POINTS: f64 = 48.0;

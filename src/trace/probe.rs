@@ -40,19 +40,19 @@ const PHOTONS: u32 = 1 << 15;
 const NEIGHBOURHOOD: usize = 8;
 /// Neighbourhoods of a turn.
 const NEIGHBOURHOODS: usize = 2;
-/// Samples for whose number edges are looked for at most: there are hardly more to be found.
+/// Most samples for whose number edges are searched: there are hardly more to be found.
 const EDGE_SPP: u32 = 256;
 /// Samples that are taken of the edges found.
 const EDGE_SAMPLES: u32 = 2;
 
-/// What a render costs.
+/// Cost of a render.
 #[derive(Clone, Debug)]
 pub struct Probe {
     /// Worker threads.
     pub threads: usize,
-    /// Wall time of what light sampling learns before the first sample, seconds.
+    /// Wall time of learning of light sampling before the first sample, seconds.
     pub learning: f64,
-    /// What light sampling will do; `None` where it is off or of no use.
+    /// Summary of light sampling; `None` where it is off or of no use.
     pub lights: Option<LightSummary>,
     /// Pixels that are rendered.
     pub pixels: usize,
@@ -62,7 +62,7 @@ pub struct Probe {
     pub readings: Vec<Reading>,
 }
 
-/// What a turn tells: thread time, seconds.
+/// Costs measured in a turn: thread time, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// A camera path in the wavefront schedule.
@@ -146,7 +146,7 @@ impl Prober<'_> {
 /// Traces by one of the schedules; `None` if it had to give up.
 type Trace<'a> = dyn Fn(&Work, Wanted) -> Option<Samples> + 'a;
 
-/// What all turns have in common.
+/// State that all turns share.
 struct Turns<'a, T: Transport> {
     job: &'a Job<'a>,
     transport: &'a T,
@@ -221,7 +221,7 @@ impl Window {
     }
 }
 
-/// Where a turn looks.
+/// Part of the picture that is looked at in a turn.
 #[derive(Clone, Copy)]
 struct Look {
     number: usize,

@@ -1,4 +1,4 @@
-//! Rays followed together, each to its end: no paths, only where light goes.
+//! Rays followed together, each to its end, without shading.
 
 use std::convert::Infallible;
 
@@ -15,9 +15,9 @@ pub struct RayBatch<T: Transport> {
     moves: Columns<T::Move>,
     search: Search<T::Segment>,
     scratch: T::Scratch,
-    /// Which ray flies in a lane.
+    /// Index of the ray in each lane.
     rays: Vec<usize>,
-    /// It always matters where exactly a ray lands.
+    /// True for all rays: the exact landing always matters.
     exactly: Vec<bool>,
     starts: Vec<(usize, Start<T::Carried>)>,
     /// Lanes whose rays ended in this round.
@@ -40,8 +40,8 @@ impl<T: Transport> Default for RayBatch<T> {
 }
 
 impl<T: Transport> RayBatch<T> {
-    /// Ends of the rays from `from`, in their order, and what they carry there, as [`follow`](super::shoot::follow) tells of
-    /// each; not worth anything once `halt` is due.
+    /// Ends of the rays from `from`, in their order, and their payloads there, as [`follow`](super::shoot::follow)
+    /// gives for each; not worth anything once `halt` is due.
     pub fn follow(
         &mut self,
         transport: &T,

@@ -1,11 +1,11 @@
-//! How a render runs.
+//! Run settings of a render.
 
 use std::time::Duration;
 
 use super::tile::Tile;
 use crate::film::{Aov, Wanted};
 
-/// How a render runs; none of it changes a pixel's value, except by ending early.
+/// Run settings of a render; none of them changes a pixel's value, except by ending early.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Worker threads; 0 means one per core.

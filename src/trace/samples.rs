@@ -1,4 +1,4 @@
-//! What the paths of one tile and pass give, in (pixel, sample) order: the only place where finished work waits.
+//! Results of the paths of one tile and pass, in (pixel, sample) order: the only place where finished work waits.
 //!
 //! Paths end in any order; their results are kept apart until all have ended and are then summed in sample order, so
 //! that no schedule, batch size or thread count can change a sum.
@@ -11,7 +11,7 @@ use crate::film::{CameraRay, Needs, Sample, Wanted};
 pub struct Samples {
     /// Radiance of each path.
     pub radiance: Vec<Vec3>,
-    /// Whether its camera ray hides what a compositor puts behind the picture.
+    /// True if its camera ray hides what a compositor puts behind the picture.
     pub covered: Vec<bool>,
     /// End of its camera ray; empty unless needed.
     pub camera_rays: Vec<CameraRay>,
@@ -34,7 +34,7 @@ impl Samples {
         }
     }
 
-    /// What is recorded.
+    /// Records that are kept.
     pub fn needs(&self) -> Needs {
         self.needs
     }

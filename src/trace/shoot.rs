@@ -1,4 +1,4 @@
-//! Single rays, for those who want to know where light goes rather than what it shows.
+//! Single rays, followed to their ends without shading.
 
 use std::convert::Infallible;
 
@@ -20,7 +20,7 @@ pub struct Ray {
     pub position: DVec3,
     /// Unit direction in the static frame.
     pub direction: DVec3,
-    /// What it starts on: [`PrimitiveId::NONE`] in free space.
+    /// Primitive that it starts on: [`PrimitiveId::NONE`] in free space.
     pub origin_prim: PrimitiveId,
 }
 
@@ -35,10 +35,10 @@ impl Ray {
 /// Steps between two looks at the clock.
 const PATIENCE: u64 = 64;
 
-/// Where a ray went.
+/// Outcome of a followed ray, and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
-    /// How it ended; never flying.
+    /// Outcome of the ray; never flying.
     pub end: Outcome<Infallible>,
     /// March steps, rejected ones included.
     pub steps: u64,
@@ -68,8 +68,8 @@ impl TransportVisitor for Shooting<'_> {
     }
 }
 
-/// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, what was found along it,
-/// and where the ray landed on it if it did. With the shot comes what the ray carries at its end.
+/// Follows one ray to its end, or until `halt` as if it were out of steps; `each` sees every move, the hit found along
+/// it, and the landing of the ray on it, if any. With the shot comes the ray's payload at its end.
 pub(super) fn follow<T: Transport>(
     transport: &T,
     geometry: &Geometry,

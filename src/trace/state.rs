@@ -103,7 +103,8 @@ impl State {
         image
     }
 
-    /// The same of tiles that go as the planes fill, last first: what was allocated last is what an allocator gives back.
+    /// The picture as of `image`, freeing tiles as the planes fill, last first: what was allocated last is what an
+    /// allocator gives back.
     pub(super) fn into_image(self, aovs: &[Aov]) -> Image {
         let mut image = self.frame.image();
         tile::assemble(self.tiles.into_iter().rev().map(|part| part.tile), aovs, &mut image);

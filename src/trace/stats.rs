@@ -1,10 +1,10 @@
-//! What a render did, counted.
+//! Counters and timings of a render.
 
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-/// How rays ended.
+/// Rays by fate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Fates {
     /// Met a surface.
@@ -32,11 +32,11 @@ pub struct Counters {
     pub steps: u64,
     /// BVH queries.
     pub queries: u64,
-    /// How rays ended.
+    /// Rays by fate.
     pub fates: Fates,
 }
 
-/// What a stage did, and how long worker threads took for it, added over threads.
+/// Items handled by a stage, and the time that worker threads took for them, added over threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Stage {
     /// Thread time, seconds.
@@ -45,7 +45,7 @@ pub struct Stage {
     pub items: u64,
 }
 
-/// How full the vectors were, added over rounds.
+/// Occupancy of the vectors, added over rounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Occupancy {
     /// Rounds.
@@ -58,10 +58,10 @@ pub struct Occupancy {
     pub blocks: u64,
 }
 
-/// What each stage did, and how full the vectors were; all but `learning` in the wavefront schedule only.
+/// Items and time of each stage, and occupancy of the vectors; all but `learning` in the wavefront schedule only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageTimes {
-    /// What light sampling learns before the first camera ray, wall time, seconds.
+    /// Learning of light sampling before the first camera ray, wall time, seconds.
     pub learning: f64,
     /// Camera rays.
     pub generate: Stage,

@@ -3,12 +3,12 @@
 use crate::geodesic::{Dop853, Dopri5, Leapfrog4, Rk4, Rkf45, Rkn4, Rkn6, Stepper};
 use crate::scene::StepperKind;
 
-/// Something to be done with whichever stepper is named.
+/// Visitor of the stepper that is named.
 pub trait UseStepper {
-    /// What it gives.
+    /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Visits the stepper.
     fn with(self, stepper: impl Stepper + 'static) -> Self::Output;
 }
 

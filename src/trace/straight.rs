@@ -21,7 +21,7 @@ columns! {
         position: DVec3,
         /// Unit direction.
         direction: DVec3,
-        /// What it starts on.
+        /// Primitive that it starts on.
         origin_prim: PrimitiveId,
     }
 }
@@ -29,7 +29,7 @@ columns! {
 columns! {
     /// Its only move.
     pub struct StraightMove => StraightMoveBlock {
-        /// Where the ray has left the bounds for good; its start if it never meets them.
+        /// Point where the ray has left the bounds for good; its start if it never meets them.
         end: DVec3,
     }
 }
@@ -45,7 +45,7 @@ impl Straight {
     }
 }
 
-/// How moves are searched.
+/// Kernel that builds intersection queries from moves.
 struct Asking;
 
 impl Kernel for Asking {

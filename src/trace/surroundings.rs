@@ -1,4 +1,4 @@
-//! Which dielectrics there are around a place: a camera may be in glass, in a glass of water, or in the water.
+//! Dielectrics around a place: a camera may be in glass, in a glass of water, or in the water.
 
 use glam::DVec3;
 
@@ -8,7 +8,8 @@ use crate::geometry::{Line, PrimitiveId, Segment};
 use crate::scene::Baked;
 use crate::shade::Media;
 
-/// Where lines come from that are followed to the place, in no special direction: if they do not agree, glass is not closed.
+/// Unit directions from the place to the starts of the lines that are followed to it, none of them special: if the
+/// lines do not agree, glass is not closed.
 const FROM: [DVec3; 5] = [
     DVec3::new(0.361, 0.803, 0.474),
     DVec3::new(-0.532, 0.277, -0.8),

@@ -14,7 +14,7 @@ pub trait Tracer: Send + Sync {
     /// The samples of `work`; `None` if it had to give up.
     fn trace(&self, work: &Work, wanted: Wanted) -> Option<Samples>;
 
-    /// When to give up.
+    /// Interruption and deadline, at which to give up.
     fn halt(&self) -> &Halt<'_>;
 
     /// Work that all threads have done, the time that it took them, and how many they are.

@@ -1,4 +1,4 @@
-//! How rays move: the interface between spacetimes and the schedules.
+//! Transport of rays: the interface between spacetimes and the schedules.
 //!
 //! A ray in flight is advanced by one move at a time. A move is a piece of the ray that the scene is searched along;
 //! what was found decides how the flight goes on. Straight rays are one move long.
@@ -13,18 +13,18 @@ use crate::light::Aim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 
-/// Where and how a ray arrives at a surface.
+/// Arrival of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
     /// World position, on the primitive.
     pub position: DVec3,
     /// Unit direction of travel in the static frame.
     pub direction: DVec3,
-    /// What is met.
+    /// Primitive that is met.
     pub primitive: PrimitiveId,
 }
 
-/// What becomes of a ray after a move.
+/// Outcome of a ray's move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome<Flight> {
     /// It flies on.
@@ -42,7 +42,7 @@ pub enum Outcome<Flight> {
 }
 
 impl<Flight> Outcome<Flight> {
-    /// How the ray ended; the ray if it flies on.
+    /// Outcome of a ray that ended; the ray if it flies on.
     #[inline(always)]
     pub fn end(self) -> Result<Outcome<Infallible>, Flight> {
         match self {
@@ -56,7 +56,7 @@ impl<Flight> Outcome<Flight> {
     }
 }
 
-/// Where a ray starts, and what it [carries](Transport::Carried).
+/// Start of a ray, with its [payload](Transport::Carried).
 #[derive(Clone, Copy, Debug)]
 pub struct Start<C = ()> {
     /// World position.
@@ -65,25 +65,25 @@ pub struct Start<C = ()> {
     pub direction: DVec3,
     /// The primitive it lies on.
     pub origin_prim: PrimitiveId,
-    /// What the ray carries from there.
+    /// Payload of the ray from there.
     pub carried: C,
 }
 
 /// Rays of a wavefront after a move.
 pub struct Moved<'a, T: Transport> {
-    /// What the rays move among.
+    /// Geometry that the rays move among.
     pub geometry: &'a Geometry,
     /// The rays as they were before; those that fly on are to be moved.
     pub flights: &'a mut Columns<T::Flight>,
     /// Their moves.
     pub moves: &'a Columns<T::Move>,
-    /// What they meet.
+    /// Hits on the moves.
     pub found: &'a [Option<Found>],
-    /// Whether it matters where exactly a ray lands; else a landing may be on what was searched.
+    /// True for rays whose exact landing matters; else a landing may be on the segment that was searched.
     pub exactly: &'a [bool],
 }
 
-/// A way for rays to move.
+/// Motion of rays: moves, the segments that are searched along them, and their outcomes.
 ///
 /// Methods named after another with `_all` do the same for many rays, bit for bit.
 pub trait Transport: Send + Sync + Sized {
@@ -91,13 +91,13 @@ pub trait Transport: Send + Sync + Sized {
     type Flight: Row;
     /// One move of a ray.
     type Move: Row;
-    /// What the scene is searched along.
+    /// Segment that the scene is searched along.
     type Segment: SideBySide;
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
-    /// State of a ray beside place and direction that passes from its start to its end, and on to the rays that start
-    /// there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither memory nor time. Rays of
-    /// the camera and of lamps start with the default.
+    /// Payload of a ray: its state beside place and direction, which passes from its start to its end, and on to the
+    /// rays that start there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither
+    /// memory nor time. Rays of the camera and of lamps start with the default.
     type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
     /// True if all rays are straight lines.
     const IS_STRAIGHT: bool = false;
@@ -138,7 +138,7 @@ pub trait Transport: Send + Sync + Sized {
         search: impl FnMut(&Self::Segment, PrimitiveId) -> Option<Found>,
     ) -> Option<Found>;
 
-    /// Blocks of moves as they are to be searched.
+    /// Builds the intersection queries for blocks of moves.
     fn queries_all(
         &self,
         flights: &[<Self::Flight as Row>::Block],
@@ -146,8 +146,8 @@ pub trait Transport: Send + Sync + Sized {
         queries: &mut [<Query<Self::Segment> as Row>::Block],
     );
 
-    /// Outcome of a move and what the ray carries there, given what the search found; without `geometry` a landing is on
-    /// what was searched rather than on the ray itself.
+    /// Outcome of a move and the ray's payload there, given what the search found; without `geometry` a landing is on
+    /// the segment that was searched rather than on the ray itself.
     fn settle(
         &self,
         geometry: Option<&Geometry>,
@@ -156,7 +156,7 @@ pub trait Transport: Send + Sync + Sized {
         found: Option<Found>,
     ) -> (Outcome<Self::Flight>, Self::Carried);
 
-    /// Moves all rays that fly on, and tells `end` of the others, by lane, with what they carry there.
+    /// Moves all rays that fly on, and calls `end` for the others, by lane, with their payloads there.
     fn settle_all(
         &self,
         moved: Moved<Self>,
@@ -193,12 +193,12 @@ impl<T: Transport> Kernel for Advancing<'_, T> {
     }
 }
 
-/// Something to be done with whichever transport a scene calls for.
+/// Visitor of the transport that a scene calls for.
 pub trait TransportVisitor {
-    /// What it gives.
+    /// Result of the visit.
     type Output;
 
-    /// Does it; the transport may be kept.
+    /// Visits the transport, which may be kept.
     fn run<T: Transport + 'static>(self, transport: T) -> Self::Output;
 }
 
@@ -232,9 +232,9 @@ mod tests {
             position: DVec3,
             /// Unit direction.
             direction: DVec3,
-            /// What it starts on.
+            /// Primitive that it starts on.
             origin_prim: PrimitiveId,
-            /// Where it starts.
+            /// Side on which it starts.
             side: Side,
         }
     }

@@ -18,7 +18,7 @@ columns! {
         normal: DVec3,
         /// The primitive it lies on.
         origin_prim: PrimitiveId,
-        /// Whether the path goes on.
+        /// True if the path goes on.
         continues: bool,
         /// Unit direction in which it does.
         direction: DVec3,
@@ -26,17 +26,17 @@ columns! {
         density: f64,
         /// The probability with which a light ray was sent out.
         chance: f64,
-        /// Whether the path has met mirrors or glass since.
+        /// True if the path has met mirrors or glass since.
         after_specular: bool,
-        /// Whether the ray in flight is a light ray.
+        /// True if the ray in flight is a light ray.
         light_ray_in_flight: bool,
         /// Ray segments of the path up to the light ray, that included.
         depth: u32,
         /// Dielectrics around the light ray.
         media: Media,
-        /// What the light ray is aimed at.
+        /// Target of the light ray.
         target: Target,
-        /// What it adds to the path if it gets there.
+        /// Contribution to the path if the light ray gets there.
         brings: Vec3,
     }
 }

@@ -30,11 +30,11 @@ pub struct Wavefront<T: Transport> {
     paths: Columns<Path>,
     /// Empty without light sampling.
     vertices: Columns<Vertex>,
-    /// What rays carry where their paths were scattered last.
+    /// Payloads of rays where their paths were scattered last.
     carried: Vec<T::Carried>,
-    /// What rays carry where they ended in this round.
+    /// Payloads of rays where they ended in this round.
     arrived: Vec<T::Carried>,
-    /// Whether it matters where exactly a ray lands.
+    /// True for rays whose exact landing matters.
     exactly: Vec<bool>,
     draws: Draws,
     search: Search<T::Segment>,
@@ -45,7 +45,7 @@ pub struct Wavefront<T: Transport> {
     events: Events<T::Carried>,
 }
 
-/// What happened in a round, as lists of lanes.
+/// Events of a round, as lists of lanes.
 #[derive(Default)]
 struct Events<C> {
     /// Rays to be launched.

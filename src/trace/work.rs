@@ -10,13 +10,13 @@ pub struct Work<'a> {
     pub origin: (usize, usize),
     /// Columns and rows.
     pub size: (usize, usize),
-    /// Which columns and rows these are.
+    /// Columns and rows that are taken.
     pub lattice: Lattice,
     /// First sample.
     pub first_sample: u32,
     /// Samples per pixel.
     pub samples: u32,
-    /// What the paths gather, and in which pixels.
+    /// Light that the paths gather, and the pixels in which they do.
     pub share: Share<'a>,
 }
 
@@ -33,7 +33,7 @@ impl Lattice {
     /// All of them.
     pub const ALL: Self = Self { run: 1, every: 1 };
 
-    /// How many of the first `extent` are taken.
+    /// Number of the first `extent` that are taken.
     pub fn count(self, extent: usize) -> usize {
         extent / self.every * self.run + (extent % self.every).min(self.run)
     }
@@ -44,16 +44,16 @@ impl Lattice {
     }
 }
 
-/// Which pixels' light is gathered by a piece of work, and which part of it.
+/// Light that a piece of work gathers, and the pixels in which it does.
 #[derive(Clone, Copy)]
 pub enum Share<'a> {
     /// All light; in pixels at the edges of lamps, all but what the camera sees of lamps.
     Whole(&'a EdgePixels),
-    /// What the camera sees of lamps, in pixels at their edges.
+    /// Lamps as the camera sees them, in pixels at their edges.
     Edges(&'a EdgePixels),
     /// All but that, in the same pixels.
     Beyond(&'a EdgePixels),
-    /// What the camera sees of lamps, in all pixels.
+    /// Lamps as the camera sees them, in all pixels.
     Lamps,
 }
 

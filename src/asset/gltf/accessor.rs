@@ -7,7 +7,7 @@ use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{DataType, Dimensions};
 
 use super::buffers::Buffers;
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 
 /// Most elements of a column that is read whole but has no buffer view behind it, whose count the file's size therefore
 /// does not bound.

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use data_url::DataUrl;
 use percent_encoding::percent_decode_str;
 
-use crate::asset::error::Flaw;
 use crate::asset::files::Files;
+use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 use crate::text;
 

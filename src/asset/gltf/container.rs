@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use gltf::json::Root;
 
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 
 /// First bytes of a GLB file.
 const MAGIC: &[u8] = b"glTF";

@@ -1,7 +1,7 @@
 //! Nodes without mesh, light or camera: one that is named `BlackHole` places a hole, others may be what an exporter left
 //! of a light.
 
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
 
 /// The custom property of a node (`extras`) that tells a Schwarzschild radius.

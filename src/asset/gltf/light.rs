@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{DVec3, Vec3};
 use gltf::khr_lights_punctual::{Kind, Light};
 
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
 use crate::light::Punctual;
 

@@ -16,8 +16,9 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
-use super::error::{AssetError, Flaw};
+use super::error::AssetError;
 use super::files::Files;
+use super::flaw::Flaw;
 use super::model::{Lens, Model, Node, Part};
 use super::notes::Notes;
 use buffers::Buffers;

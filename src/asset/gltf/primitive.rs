@@ -4,7 +4,7 @@ use gltf::mesh::{Mode, Semantic};
 
 use super::accessor::Column;
 use super::buffers::Buffers;
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
 use crate::asset::tidy::tidy;
 use crate::geometry::Mesh;

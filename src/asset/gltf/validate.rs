@@ -3,7 +3,7 @@
 use gltf::json::validation::{Error as Invalid, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
-use crate::asset::error::Flaw;
+use crate::asset::flaw::Flaw;
 
 /// Required extensions without which the geometry is still known.
 const HARMLESS: [&str; 4] =

@@ -8,8 +8,8 @@ use glam::Vec3;
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
-use super::{Picture, check_size, undecodable};
-use crate::asset::error::Flaw;
+use super::picture::{Picture, check_size, undecodable};
+use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 use crate::asset::notes::Notes;
 use crate::asset::primaries::ToRec709;

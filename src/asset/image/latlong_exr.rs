@@ -3,9 +3,9 @@
 use exr::meta::attribute::IntegerBounds;
 use glam::Vec3;
 
-use super::{Picture, check_size, undecodable};
-use crate::asset::error::Flaw;
+use super::picture::{Picture, check_size, undecodable};
 use crate::asset::exr::{Colours, ExrFile};
+use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 use crate::asset::notes::Notes;
 

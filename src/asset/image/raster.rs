@@ -5,8 +5,8 @@ use std::io::Cursor;
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
-use super::{Picture, check_size, undecodable};
-use crate::asset::error::Flaw;
+use super::picture::{Picture, check_size, undecodable};
+use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 
 /// What a picture costs at most while it is decoded, bytes per pixel: four channels of 16 bits.

@@ -3,7 +3,8 @@
 
 use std::io::{self, BufRead, Read, Write};
 
-use super::survey::{Survey, finite_numbers};
+use super::numbers::{finite_numbers, has_usable_weight};
+use super::survey::Survey;
 use crate::asset::statements::{Statement, Statements};
 
 /// A reader of the cleaned text.
@@ -51,15 +52,6 @@ fn place(values: &str) -> String {
     let words: Vec<&str> = values.split_whitespace().take(5).collect();
     let kept = if has_usable_weight(&words) { 4 } else { 3 };
     words.get(..kept).unwrap_or(&words).join(" ")
-}
-
-/// Whether four numbers are a place and a weight by which it can be divided.
-pub(super) fn has_usable_weight(words: &[&str]) -> bool {
-    let numbers: Option<Vec<f32>> = words.iter().map(|word| word.parse().ok()).collect();
-    let Some([place @ .., weight]) = numbers.as_deref().filter(|numbers| numbers.len() == 4) else {
-        return false;
-    };
-    weight.is_finite() && place.iter().all(|coordinate| (coordinate / weight).is_finite())
 }
 
 impl<R: BufRead> Read for Cleaned<'_, R> {

@@ -2,6 +2,7 @@
 
 mod cleaned;
 mod merge;
+mod numbers;
 mod polygon;
 mod survey;
 
@@ -10,8 +11,9 @@ use std::path::Path;
 
 use glam::DAffine3;
 
-use super::error::{AssetError, Flaw};
+use super::error::AssetError;
 use super::files::Files;
+use super::flaw::Flaw;
 use super::model::{Model, Node, Part};
 use super::statements::Statements;
 use super::tidy::tidy;

@@ -4,9 +4,9 @@
 use std::io::{self, BufRead};
 use std::path::Path;
 
-use super::cleaned::has_usable_weight;
-use crate::asset::error::Flaw;
+use super::numbers::{check_coordinate, finite_numbers, has_usable_weight};
 use crate::asset::files::Files;
+use crate::asset::flaw::Flaw;
 use crate::asset::mtl::Libraries;
 use crate::asset::notes::Notes;
 use crate::asset::statements::{Statement, Statements};
@@ -273,26 +273,4 @@ fn out_of_range(column: usize, index: i64, known: &str, count: i64) -> Flaw {
         format!("{name} index {index} is out of range: {known} {count}"),
         "indices count from 1, or backwards from -1; the file is damaged or cut off",
     )
-}
-
-fn check_coordinate(word: &str) -> Result<(), Flaw> {
-    let shown = text::quoted(word);
-    match word.parse::<f32>() {
-        Ok(number) if number.is_finite() => Ok(()),
-        Ok(_) => Err(Flaw::new(
-            format!("the vertex is not finite: `{shown}`"),
-            "fix the vertex in the modelling program and export again",
-        )),
-        Err(_) => Err(Flaw::new(
-            format!("`{shown}` is not a number"),
-            "write the coordinates as decimal numbers, such as -1.5",
-        )),
-    }
-}
-
-/// Three finite numbers at the beginning of a text.
-pub(super) fn finite_numbers(values: &str) -> Option<[f32; 3]> {
-    let mut words = values.split_whitespace();
-    let mut next = || words.next()?.parse().ok().filter(|number: &f32| number.is_finite());
-    Some([next()?, next()?, next()?])
 }

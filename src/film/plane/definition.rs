@@ -1,4 +1,4 @@
-//! Definition of a plane: its channels, what it takes from a sample, and how samples become a pixel.
+//! Definition of a plane: its channels, its value of a sample, and the rule by which samples become a pixel.
 
 use glam::DVec3;
 
@@ -12,15 +12,15 @@ pub struct Definition {
     /// Names of the channels in an EXR, in the order in which the image keeps them; all hold 32-bit floats, indices (`ID`)
     /// and counts (`N`) too, since an f32 holds integers below 2²⁴ exactly.
     pub channels: &'static [&'static str],
-    /// What a render must record of each path beside its radiance.
+    /// Records that it needs of each path beside its radiance.
     pub needs: Needs,
     /// Value of one sample.
     pub value: Value,
-    /// How the values of a pixel's samples become one.
+    /// Rule by which the values of a pixel's samples become one.
     pub average: Average,
 }
 
-/// What a render records of each path beside its radiance: nothing that no plane needs is computed.
+/// Records of each path beside its radiance: nothing that no plane needs is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// End of the camera ray, without its length.
@@ -70,7 +70,7 @@ impl Value {
     }
 }
 
-/// How the values of a pixel's samples become one.
+/// Rule by which the values of a pixel's samples become one.
 #[derive(Debug)]
 pub enum Average {
     /// Mean over all samples; those without a value count as 0.

@@ -1,4 +1,4 @@
-//! Depth: how far the camera ray goes to the first hit.
+//! Depth: length of the camera ray to the first hit.
 
 use super::definition::{Average, Definition, Needs, Value};
 

@@ -14,7 +14,7 @@ macro_rules! planes {
     ($($name:ident: $module:ident,)*) => {
         $(mod $module;)*
 
-        /// What can be asked for beside the beauty; a plane nobody asked for is never computed.
+        /// Planes that can be asked for beside the beauty; one that nobody asked for is never computed.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Aov {
             $(

@@ -1,4 +1,4 @@
-//! The lens map: which way light goes from one point to another, in closed form but for one integral.
+//! The lens map: rays of light from one point to another, in closed form but for one integral.
 //!
 //! Let B = n/w be the impact parameter of a ray that grazes the sphere of inverse radius w. In the plane in which a
 //! point has the polar radius B instead of ρ, a ray of impact parameter b is at the angle θ, sin θ = b/B, to the

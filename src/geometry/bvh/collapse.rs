@@ -21,7 +21,7 @@ pub struct Wide {
 struct Child {
     index: u32,
     area: f32,
-    /// Whether it fits a leaf.
+    /// True if it fits a leaf.
     is_small: bool,
 }
 

@@ -97,7 +97,7 @@ impl Bvh {
         &self.order
     }
 
-    /// How many boxes there are.
+    /// Number of boxes.
     pub fn len(&self) -> usize {
         self.len
     }
@@ -158,7 +158,7 @@ pub struct Walk<S> {
     ray: ThickRay,
     stack: S,
     next: Entry,
-    /// Whether there is more to visit.
+    /// True while there is more to visit.
     pub is_on: bool,
 }
 
@@ -290,7 +290,7 @@ mod tests {
         fn prefetch(&self, _: usize) {}
     }
 
-    /// What a walk along `chord` is shown, in order.
+    /// Boxes that a walk along `chord` is shown, sorted by index.
     fn met(bvh: &Bvh, chord: &Chord) -> Vec<u32> {
         let mut met = Met { bvh, boxes: Vec::new() };
         bvh.walk(chord, &mut met);
@@ -335,7 +335,7 @@ mod tests {
         assert_eq!(met(&bvh, &through).len(), 5000);
     }
 
-    /// Whether the chord, moved by some part of its bow, meets a box: slab tests in f64.
+    /// True if the chord, moved by some part of its bow, meets a box: slab tests in f64.
     fn meets(chord: &Chord, (min, max): (DVec3, DVec3)) -> bool {
         let along = chord.end - chord.start;
         (0..=16).any(|part| {

@@ -10,7 +10,7 @@ use crate::math::columns::LANES;
 
 /// Slots of a leaf.
 pub const LEAF_SIZE: usize = LANES;
-/// What is in a slot that holds nothing, never the first of its leaf.
+/// Marks an empty slot, never the first of its leaf.
 pub const EMPTY: u32 = u32::MAX;
 
 /// Children of a node, at most.
@@ -63,7 +63,7 @@ impl Node {
         node
     }
 
-    /// Where the grid starts.
+    /// Origin of the grid.
     #[inline(always)]
     pub fn origin(&self) -> Vec3A {
         Vec3A::from(self.origin)

@@ -67,7 +67,7 @@ impl ThickRay {
         (u64::from_le_bytes(met) & node.mask(), enter)
     }
 
-    /// Whether the search has to look at what is entered there.
+    /// True if a node entered at this part of the chord must be searched.
     #[inline(always)]
     pub fn reaches(&self, part: f32) -> bool {
         part <= self.until

@@ -25,7 +25,7 @@ pub struct LensedPlace {
 
 /// Relative error of connections: far below what their rays are traced with.
 const TOLERANCE: f64 = 1e-5;
-/// How far from where it was aimed at a ray may end, relative to the distance from the centre: far more than its error
+/// Largest distance of a ray's end from its target, relative to the distance from the centre: far more than its error
 /// and far less than there is between two crossings of a surface.
 const NEAR: f64 = 0.01;
 /// Least weight, beside that of the near way, of a ray that goes around: it is weak but easily missed otherwise.

@@ -1,7 +1,7 @@
 //! Aim: rays that join two places, for light sampling.
 //!
-//! A family of spacetimes brings its own: what it knows of a place ([`Aim::Place`]) and how it joins two of them. All of
-//! it is deterministic, so that a ray found by BSDF sampling has the density with which it could have been chosen.
+//! A family of spacetimes brings its own: the data of a place ([`Aim::Place`]) and the rays that join two of them. All
+//! of it is deterministic, so that a ray found by BSDF sampling has the density with which it could have been chosen.
 //!
 //! To add one, implement [`Aim`] in a file beside [`straight`] and [`lensed`], and name it in the transport of its family.
 

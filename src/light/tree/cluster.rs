@@ -30,9 +30,9 @@ impl Cluster {
         }
     }
 
-    /// How often it is in doubt, times what is at stake: the surface-area-orientation heuristic of \[C\], with
-    /// the area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters
-    /// in a row has no area.)
+    /// Surface-area-orientation heuristic of \[C\]: how often the cluster is in doubt, times what is at stake, with the
+    /// area of the sphere around the bounds, which is all that the importance knows of them. (A box around emitters in
+    /// a row has no area.)
     pub fn cost(&self) -> f64 {
         self.power * self.min.distance_squared(self.max) * self.cone.measure()
     }

@@ -73,7 +73,7 @@ mod tests {
         Cone { axis, normals, emission: FRAC_PI_2, both_sides }
     }
 
-    /// Whether a normal lies in the cone.
+    /// True if a normal lies in the cone.
     fn holds(cone: &Cone, normal: DVec3) -> bool {
         let angle = cone.axis.cross(normal).length().atan2(cone.axis.dot(normal));
         angle <= cone.normals + 1e-12 || (cone.both_sides && PI - angle <= cone.normals + 1e-12)

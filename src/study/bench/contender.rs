@@ -23,12 +23,12 @@ impl Contender {
         flag_name(self)
     }
 
-    /// Whether it must render the same picture as the wavefront.
+    /// True if it must render the same picture as the wavefront.
     pub fn keeps_the_picture(self) -> bool {
         matches!(self, Self::Wavefront | Self::PerPixel)
     }
 
-    /// Whether it is nothing else than others where space is flat.
+    /// True if in flat space it is the same as another contender.
     pub fn needs_a_hole(self) -> bool {
         matches!(self, Self::Paper | Self::Flat)
     }

@@ -1,4 +1,4 @@
-//! How cost grows with what is varied.
+//! Growth of cost with what is varied.
 
 use super::cells::{over_first, seconds};
 use super::race::{Race, Runs};
@@ -35,7 +35,7 @@ fn number(value: f64) -> String {
     if (1e-3..1e9).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }
 
-/// How the time grows from the least value to the largest, and the power of the value that this is, a line per
+/// Growth of the time from the least value to the largest, and the power of the value that this is, a line per
 /// contender.
 fn growth(races: &[Race]) -> String {
     let value = |race: &Race| race.point.value.unwrap_or(f64::NAN);

@@ -1,10 +1,10 @@
-//! What all contenders of a race have in common.
+//! Setting of a race, common to all its contenders.
 
 use crate::scene::{Baked, Settings};
 use crate::spacetime::SpacetimeKind;
 use crate::trace::Run;
 
-/// What all contenders of a race have in common.
+/// Setting of a race, common to all its contenders.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// The value of what is varied, if anything is.
@@ -34,7 +34,7 @@ impl Point {
         }
     }
 
-    /// Whether both points have the same picture, threads and batches left aside.
+    /// True if both points have the same picture, threads and batches left aside.
     pub(super) fn has_picture_of(&self, other: &Self) -> bool {
         (self.scene, self.spacetime, &self.settings) == (other.scene, other.spacetime, &other.settings)
     }

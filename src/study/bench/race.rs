@@ -125,7 +125,8 @@ impl Race {
         self.ratio_of(slow, fast, |stats| stats.seconds)
     }
 
-    /// The same without what light sampling learns before the first camera ray, which is not a matter of schedules.
+    /// Ratio of tracing times: [`Self::ratio`] without the time in which light sampling learns before the first camera
+    /// ray, which is not a matter of schedules.
     pub fn tracing_ratio(&self, slow: usize, fast: usize) -> Option<Estimate> {
         self.ratio_of(slow, fast, |stats| stats.seconds - stats.stages.learning)
     }
@@ -152,7 +153,7 @@ impl Runs {
         [seconds().fold(f64::INFINITY, f64::min), seconds().fold(0.0, f64::max)]
     }
 
-    /// What was done, the same in every round.
+    /// Counters of the work done, the same in every round.
     pub fn counters(&self) -> Counters {
         self.rounds.first().map_or_else(Counters::default, |stats| stats.counters)
     }

@@ -13,7 +13,7 @@ use crate::trace::Stats;
 pub struct Record<'a> {
     version: &'static str,
     scene: &'a str,
-    /// What was varied.
+    /// Name of what was varied.
     sweep: Option<String>,
     /// Renders of each contender at each point before those that count.
     warm_up: u32,
@@ -38,7 +38,7 @@ struct ContenderRecord<'a> {
     us_per_path: f64,
     /// Over the time of the first contender.
     time_ratio: Option<Estimate>,
-    /// The same without what light sampling learns before.
+    /// Time ratio without the time in which light sampling learns before.
     tracing_ratio: Option<Estimate>,
     /// Share of the lanes in use.
     occupancy: Option<f64>,

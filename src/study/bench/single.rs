@@ -14,7 +14,7 @@ const CHART: [f64; 2] = [620.0, 420.0];
 const BAR: f64 = 0.38;
 /// Room above the highest curve, relative to it.
 const ROOM: f64 = 1.06;
-/// What stages look like, learning and the rest last.
+/// Colours of stages, learning and the rest last.
 const COLORS: [Color; 9] = [
     Color::GREEN,
     Color::BLUE,
@@ -26,7 +26,7 @@ const COLORS: [Color; 9] = [
     Color::VERMILION,
     Color::PALE,
 ];
-/// What light sampling learns before, during which no thread does anything else.
+/// Learning of light sampling before, during which no thread does anything else.
 const LEARN: &str = "learn";
 /// Thread time that is no stage's: sums of samples, waiting at the end of a pass.
 const REST: &str = "rest";
@@ -94,7 +94,7 @@ fn stages(runs: &Runs) -> String {
     Table::of(parts(first).into_iter().zip(items).enumerate().map(row)).markdown()
 }
 
-/// How full the vectors were.
+/// Occupancy of the vectors, in words.
 fn vectors(runs: &Runs) -> String {
     let occupancy = runs.rounds.first().map(|stats| stats.stages.occupancy).unwrap_or_default();
     let per_round = |count: u64| count as f64 / occupancy.rounds.max(1) as f64;

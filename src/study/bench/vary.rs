@@ -1,4 +1,4 @@
-//! What cost grows with, and the points at which it is measured.
+//! Parameters that cost grows with, and the points at which it is measured.
 
 use std::num::NonZero;
 use std::ops::RangeInclusive;
@@ -11,7 +11,7 @@ use super::room::room;
 use crate::scene::{Baked, Precision, StepperKind};
 use crate::study::way::tolerances_for;
 
-/// What is varied.
+/// Parameter that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Vary {
     /// Rays in a worker's wavefront.
@@ -36,9 +36,9 @@ pub enum Vary {
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
 pub struct Refusal {
-    /// Why not.
+    /// Problem, in words.
     pub cause: String,
-    /// What to do about it.
+    /// Remedy.
     pub remedy: String,
 }
 
@@ -47,7 +47,7 @@ fn refuse<T>(cause: impl Into<String>, remedy: impl Into<String>) -> Result<T, R
 }
 
 impl Vary {
-    /// What is along the axis of a chart.
+    /// Label of the axis of a chart.
     pub fn label(self) -> &'static str {
         match self {
             Self::Batch => "rays in flight per worker",

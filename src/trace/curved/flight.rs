@@ -12,7 +12,7 @@ use crate::spacetime::Fate;
 pub trait Lane: Real + Field<Block<LANES>: Send> {}
 impl<R: Real + Field<Block<LANES>: Send>> Lane for R {}
 
-/// What became of a ray in a step that met nothing.
+/// State of a ray after a step that met nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turn {
     /// It flies on.
@@ -51,13 +51,13 @@ columns! {
         h: R,
         /// Relative error of the step before.
         error: R,
-        /// How the ray ends if nothing is in its way.
+        /// Fate of the ray if nothing is in its way.
         fate: Fate,
-        /// What the position lies on, until the first step is taken.
+        /// Primitive that the position lies on, until the first step is taken.
         origin_prim: PrimitiveId,
         /// Steps so far, rejected ones included.
         steps: u32,
-        /// What became of it in the last of them.
+        /// State after the last of them.
         turn: Turn,
     }
 }
@@ -85,15 +85,15 @@ columns! {
         next_h: R,
         /// Relative error.
         error: R,
-        /// Whether the arc is so near the ray that what it meets is where the ray meets it.
+        /// True if the arc is so near the ray that a hit on the arc is where the ray has it.
         is_close: bool,
-        /// Whether the step is good enough to be taken.
+        /// True if the step is good enough to be taken.
         accepted: bool,
     }
 }
 
 impl<R: Lane> CurvedFlight<R> {
-    /// Where the ray is on its orbit.
+    /// Phase of the ray on its orbit.
     #[inline(always)]
     pub fn phase(&self) -> Phase<R> {
         Phase { w: self.w, v: self.v, pull: self.pull }

@@ -11,7 +11,7 @@ use crate::math::kernel::Kernel;
 use crate::spacetime::ConformallyFlat;
 
 columns! {
-    /// Where a ray starts.
+    /// Start of a ray.
     pub struct Place => PlaceBlock {
         /// World position.
         position: DVec3,

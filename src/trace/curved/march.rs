@@ -52,11 +52,11 @@ pub fn march<M: ConformallyFlat, R: Lane>(
     with_stepper(stepper, Held { medium, control, outer })
 }
 
-/// What a march is made of, but for the stepper.
+/// Parts of a march other than the stepper.
 struct Held<M, R> {
     /// The spacetime.
     medium: M,
-    /// What steps are held to.
+    /// Step-size control.
     control: Control<R>,
     /// Inverse radius beyond which there is nothing to meet.
     outer: R,
@@ -70,7 +70,7 @@ impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
     }
 }
 
-/// Whether a step between two phases stays where the inverse radius is below `outer`: it does not turn in between.
+/// True if a step between two phases stays at inverse radii below `outer`: it does not turn in between.
 #[inline(always)]
 pub fn keeps_outside<R: Real>(outer: R, start: &Phase<R>, end: &Phase<R>) -> bool {
     let zero = R::of(0.0);

@@ -28,7 +28,7 @@ pub use rays::Curved;
 use span::Span;
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
-    /// What becomes of a ray that met nothing, given its next state.
+    /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match next.turn {
             Turn::Flies => Outcome::Flying(*next),
@@ -52,8 +52,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
     }
 
-    /// Where a ray lands that meets what a search found: if a `geometry` is given on the ray itself, unless the arc is as
-    /// good.
+    /// Landing of a ray on what a search found: if a `geometry` is given on the ray itself, unless the arc is as good.
     fn landing(
         &self,
         geometry: Option<&Geometry>,
@@ -68,7 +67,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     }
 }
 
-/// How moves are searched.
+/// Kernel that builds intersection queries from moves.
 struct Asking<'a, M, R>(&'a Curved<M, R>);
 
 impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
@@ -86,7 +85,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
     }
 }
 
-/// What a wavefront of curved rays keeps from round to round.
+/// Buffers that a wavefront of curved rays keeps from round to round.
 #[derive(Default)]
 pub struct Scratch<R: Lane> {
     starts: Columns<Place>,

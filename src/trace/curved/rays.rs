@@ -1,4 +1,4 @@
-//! Curved rays of a spacetime: what they are held to, and the arcs that are searched along them.
+//! Curved rays of a spacetime: their tolerances, and the arcs that are searched along them.
 
 use glam::DVec3;
 
@@ -19,11 +19,11 @@ pub struct Curved<M, R> {
     pub march: Box<dyn March<R>>,
     /// World position of its centre.
     pub center: DVec3,
-    /// Whether it matters where rays go that leave; else they are not followed there.
+    /// True if the directions of escaped rays at infinity matter; else rays are not followed there.
     pub sky: bool,
-    /// Where rays may stop.
+    /// Radii beyond which rays need not be followed.
     pub chart: Chart,
-    /// What steps are held to.
+    /// Step-size control.
     pub control: Control<R>,
     /// Largest error of a ray's direction, radians.
     pub tolerance: f64,
@@ -41,9 +41,10 @@ pub struct Curved<M, R> {
 const MOST_FOR_SAGITTA: u32 = 8;
 /// Most times that an arc is halved because of its length.
 const MOST_FOR_LENGTH: u32 = 60;
-/// How far outside the geometry a step may end, as a part of the inverse radius that bounds it.
+/// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
 const OUTSIDE: f64 = 0.5;
-/// Where a step from far outside ends, as a part of the same: so far out that the pull does not take it in.
+/// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
+/// it in.
 const EDGE: f64 = 0.7;
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
@@ -59,7 +60,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         plane.placed(flight.position + self.center, flight.radial, flight.along)
     }
 
-    /// Whether a step can meet anything.
+    /// True if a step can meet anything.
     #[inline(always)]
     pub fn is_searched(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> bool {
         let end = Phase { w: step.w, v: step.v, pull: step.pull };
@@ -117,7 +118,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
     }
 
-    /// Whether an arc is to be searched in halves, after it has been halved so often.
+    /// True if an arc is to be searched in halves, after it has been halved so often.
     #[inline(always)]
     pub fn is_split(&self, arc: &Arc, halvings: u32) -> bool {
         let length2 = arc.p0.distance_squared(arc.p2);

@@ -1,10 +1,11 @@
 //! Edges of lamps, as the camera sees them: directly, in mirrors and through glass.
 //!
-//! Where a pixel sees the edge of a lamp, a camera path brings either all of its light or none: once light on surfaces
-//! is sampled well, that is most of what is left of the noise. Probes find such pixels: one before the first sample, more
-//! as the samples grow in number. There, what the camera sees of lamps is gathered by short paths ([`split`](super::super::split)),
-//! several for each whole one, which leaves that light out. Which pixels these are depends on the probes alone, so that the picture's expectation
-//! is unchanged; and for each sample on its own number alone, so that it does not matter how many are asked for.
+//! In a pixel that sees the edge of a lamp, a camera path brings either all of its light or none: once light on
+//! surfaces is sampled well, that is most of what is left of the noise. Probes find such pixels: one before the first
+//! sample, more as the samples grow in number. There, what the camera sees of lamps is gathered by short paths
+//! ([`split`](super::super::split)), several for each whole one, which leaves that light out. Which pixels these are
+//! depends on the probes alone, so that the picture's expectation is unchanged; and for each sample on its own number
+//! alone, so that it does not matter how many are asked for.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! What is found out from rays that are no samples: of the lights before the first sample, of the edges of lamps before each
+//! Learning from rays that are no samples: of the lights before the first sample, of the edges of lamps before each
 //! pass. All of it stops when the job's halt is due, and depends on the scene and its seed alone.
 
 pub mod lamp_edges;

@@ -85,7 +85,7 @@ struct Flying {
     way: Way,
 }
 
-/// What becomes of a photon where it lands.
+/// Fate of a photon where it lands.
 enum Event<C> {
     Stays(Photon),
     Goes(Flying, Start<C>),
@@ -167,7 +167,7 @@ impl Shower<'_> {
     }
 }
 
-/// Which way a photon came, as one number: FNV-1a over what it met.
+/// Way that a photon came, as one number: FNV-1a over what it met.
 struct Way(u64);
 
 impl Default for Way {

@@ -16,7 +16,7 @@ pub struct Source {
     pub segments: u32,
 }
 
-/// What emits.
+/// Emitter of deposited light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Emitter {
     /// A surface: its primitive, by which the geometry knows its entity and material.

@@ -4,7 +4,7 @@ use super::super::job::Job;
 use super::super::path::Path;
 use crate::shade::Key;
 
-/// What takes random numbers.
+/// Consumer of random numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Draw {
     /// The camera ray, or the next ray from a vertex.
@@ -16,8 +16,7 @@ pub enum Draw {
 }
 
 impl Draw {
-    /// What the numbers for this are keyed with, at a depth of at most [`MAX_SEGMENTS`](crate::scene::MAX_SEGMENTS): 0 for
-    /// the camera.
+    /// Key of its numbers, at a depth of at most [`MAX_SEGMENTS`](crate::scene::MAX_SEGMENTS): 0 for the camera.
     #[inline]
     pub fn key(self, path: &Path, depth: u32) -> Key {
         Key { pixel: path.pixel, sample: path.sample, set: ((self as u32) << 16) + depth }

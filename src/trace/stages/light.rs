@@ -1,4 +1,4 @@
-//! Light sampling: a ray to a light from where a path lands, and what it brings.
+//! Next-event estimation: a ray to a light from where a path lands, and its contribution.
 
 use glam::{DVec3, Vec3};
 
@@ -19,23 +19,23 @@ use crate::shade::{self, Incidence};
 pub struct LightRay {
     /// Unit direction.
     pub direction: DVec3,
-    /// What it is aimed at.
+    /// Target of the ray.
     pub target: Target,
-    /// What it adds to the path if it gets there.
+    /// Contribution to the path if it gets there.
     pub brings: Vec3,
 }
 
 /// Least probability of a light ray.
 const LEAST_CHANCE: f64 = 0.1;
-/// How far from a punctual light a ray may pass that was aimed at it, relative to the move.
+/// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
 const NEAR: f64 = 1e-3;
 
-/// The probability with which a path sends out a light ray: where it carries little, few are worth their time.
+/// Probability with which a path sends out a light ray: where its throughput is small, few are worth their time.
 pub fn chance(path: &Path) -> f64 {
     f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
 }
 
-/// A ray from where a path lands to a light, from four numbers in [0, 1); `None` if it would bring nothing.
+/// Light ray from where a path lands, from four numbers in [0, 1); `None` if it would contribute nothing.
 #[inline]
 pub fn propose(
     job: &Job,
@@ -74,20 +74,20 @@ pub fn propose(
     (brings != Vec3::ZERO && brings.is_finite()).then_some(LightRay { direction, target, brings })
 }
 
-/// What becomes of a light ray after a move.
+/// State of a light ray after a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress<Flight> {
     /// It flies on.
     Flying(Flight),
     /// It ended: at its target or not.
     Ended(bool),
-    /// One that looks for light behind mirrors and glass landed.
+    /// One that is aimed through mirrors and glass landed.
     Landed(Landing),
-    /// One that does left to infinity, with this unit direction there.
+    /// One so aimed left to infinity, with this unit direction there.
     Escaped(DVec3),
 }
 
-/// Where a light ray stands after a move, and what it carries there.
+/// Progress of a light ray after a move, and its payload there.
 #[inline]
 pub fn settle<T: Transport>(
     job: &Job,
@@ -104,13 +104,13 @@ pub fn settle<T: Transport>(
     (conclude(illumination, vertex, outcome), carried)
 }
 
-/// Whether it matters where exactly a light ray lands: where it goes on from there.
+/// True if the exact landing of a light ray matters: if it goes on from there.
 #[inline]
 pub fn lands_exactly(vertex: &Vertex) -> bool {
     vertex.target == Target::ThroughSpecular
 }
 
-/// Whether a light ray passes the punctual light that it is aimed at.
+/// True if a light ray passes the punctual light that it is aimed at.
 #[inline]
 pub fn passes_its_light<T: Transport>(
     illumination: &Illumination,
@@ -123,7 +123,7 @@ pub fn passes_its_light<T: Transport>(
     point.is_some_and(|point| passes(transport, flight, step, found, point))
 }
 
-/// What the outcome of a move means for a light ray.
+/// Progress of a light ray, from the outcome of its move.
 #[inline]
 pub fn conclude<Flight>(
     illumination: &Illumination,
@@ -176,7 +176,7 @@ pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
     }
 }
 
-/// Whether a move passes `point` before it finds anything.
+/// True if a move passes `point` before it finds anything.
 fn passes<T: Transport>(
     transport: &T,
     flight: &T::Flight,

@@ -1,4 +1,4 @@
-//! The surface, or glass and all that lies upon it, that is met where a path lands.
+//! Surface, or glass and all that lies upon it, that a path meets where it lands.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
 use crate::shade::{Crossing, Incidence, Media};
 
-/// What a path meets where it lands.
+/// Surface that a path meets where it lands.
 pub struct Meeting {
     /// The primitive: of several that lie upon each other a solid one, else the first.
     pub primitive: PrimitiveId,
@@ -17,8 +17,8 @@ pub struct Meeting {
     crossing: Crossing,
 }
 
-/// What a path in `media` meets where it lands. Glass is met together with all that lies upon it there: what is solid stops
-/// light, and further glass is gone through with it.
+/// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
+/// there: what is solid stops light, and further glass is crossed with it.
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let mut meeting = Meeting {
@@ -33,7 +33,7 @@ pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
 }
 
 impl Meeting {
-    /// How light in `media` that travels in a unit direction meets it.
+    /// Incidence on it of light in `media` that travels in a unit direction.
     #[inline(always)]
     pub fn incidence(&self, direction: DVec3, media: Media) -> Incidence {
         let SurfacePoint { normal, shading_normal, surface, .. } = self.surface;

@@ -1,4 +1,4 @@
-//! What the camera ray meets and how many steps its path takes, for the planes that were asked for.
+//! Records of the camera ray's end and of its path's march steps, for the planes that were asked for.
 
 use super::super::fate::Fate;
 use super::super::job::Job;

@@ -1,4 +1,4 @@
-//! What happens where a ray lands: the surface is looked up, recorded, gathered from, and scattered at.
+//! Shading of a landing: the surface is looked up, recorded, gathered from, and scattered at.
 
 use glam::{DVec3, Vec3};
 
