@@ -11,7 +11,7 @@ use crate::math::kernel::widest;
 use crate::math::prefetch::prefetch;
 
 impl Geometry {
-    /// The first primitive that `segment` meets; `leaves` is the one it starts on.
+    /// The first primitive that `segment` meets; `origin_prim` is the one it starts on.
     ///
     /// Of two primitives met at the very same parameter the one that was given first wins, whatever the order of the
     /// hierarchy.
@@ -25,7 +25,7 @@ impl Geometry {
         Some(first)
     }
 
-    /// The first hit of a segment that leaves what `leaves` tells.
+    /// The first hit of a segment that leaves what `origin_prim` tells.
     #[inline]
     pub(super) fn first<S: Segment, L: Leaving>(&self, segment: &S, origin_prim: L) -> Option<Hit> {
         widest(First { geometry: self, segment, origin_prim })
@@ -84,7 +84,7 @@ pub(super) struct Nearest<'a, S, L> {
 }
 
 impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
-    /// Along `segment` (world), which leaves what `leaves` tells.
+    /// Along `segment` (world), which leaves what `origin_prim` tells.
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, segment: &S, origin_prim: L) -> Self {
         let segment = segment.shifted(-geometry.origin);

@@ -69,7 +69,7 @@ impl SupportingSurface {
         Self { anchor, normal, radius: 0.0 }
     }
 
-    /// Distance from the carrier at `point`, signed, and its gradient.
+    /// Distance from the supporting surface at `point`, signed, and its gradient.
     #[inline(always)]
     pub fn height(&self, point: DVec3) -> (f64, DVec3) {
         let from = point - self.anchor;
@@ -225,7 +225,7 @@ impl Geometry {
         (self.bvh.order()[primitive.item as usize], primitive.triangle)
     }
 
-    /// The carrier of a primitive, in the world.
+    /// The supporting surface of a primitive, in the world.
     pub fn support(&self, primitive: PrimitiveId) -> SupportingSurface {
         match self.item(primitive.item) {
             Item::Sphere(i) => {

@@ -274,11 +274,11 @@ fn land<T: Retrace>(
     let moved = position.distance(point);
     if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
         // Both ends lie on the primitive's supporting surface: what shares that cannot stand between them.
-        let shares_carrier = |other: PrimitiveId| {
+        let shares_support = |other: PrimitiveId| {
             let normal = |primitive| geometry.support(primitive).height(point).1;
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
-        if geometry.covers(primitive, position) && between().is_none_or(shares_carrier) {
+        if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
             return Landing { position, direction, primitive };
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.

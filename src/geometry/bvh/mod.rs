@@ -29,7 +29,7 @@ use self::thick_ray::ThickRay;
 use super::Chord;
 use crate::math::prefetch::prefetch;
 
-/// Who is shown the leaves that a walk comes to. (A closure cannot be forced inline, and only what is inlined gets the wide
+/// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets the wide
 /// vectors.)
 pub trait Visitor {
     /// Looks at a leaf: the part of the chord at which the search may end.
