@@ -1,4 +1,4 @@
-//! What can be wrong with an asset file.
+//! Errors of an asset file.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub enum AssetError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error from the operating system.
         source: io::Error,
     },
     /// The file was read, but its content cannot be used.
@@ -26,9 +26,9 @@ pub enum AssetError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and where in the file.
+        /// Problem, and where in the file.
         problem: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
 }

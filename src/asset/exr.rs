@@ -25,7 +25,7 @@ const BATCH_CHUNKS: usize = 64;
 const MANY_CHUNKS: usize = 32;
 /// Most bytes that one byte can stand for: zlib's 1032, of numbers of 3 bytes that become 4.
 const EXPANSION: usize = 1 << 11;
-/// The same for DWA, which packs blocks of 8 × 8 before.
+/// Most bytes that one byte can stand for in DWA, which packs blocks of 8 × 8 before.
 const DWA_EXPANSION: usize = 1 << 17;
 /// Numbers at the start of a chunk of DWA.
 const DWA_COUNTERS: usize = 11;
@@ -38,7 +38,7 @@ const MAIN: [&str; 5] = ["combined", "rgba", "rgb", "beauty", "color"];
 pub struct ExrFile<'a> {
     bytes: &'a [u8],
     meta: MetaData,
-    /// Where the table of each part is that tells where its chunks are.
+    /// Byte range of each part's table that tells where its chunks are.
     tables: Vec<Range<usize>>,
 }
 
@@ -47,11 +47,11 @@ pub struct ExrFile<'a> {
 pub struct Colours {
     /// The part they are in.
     pub part: usize,
-    /// What stands before the channels' own names, without the dot.
+    /// Prefix of the channels' own names, without the dot.
     pub prefix: String,
     /// The name of the layer, the part's included; may be empty.
     pub layer: String,
-    /// Where they are among the part's channels.
+    /// Indices among the part's channels.
     pub channels: ColourChannels,
     /// Names of other layers that hold colours.
     pub others: Vec<String>,
@@ -88,12 +88,12 @@ pub struct ToRgb {
 }
 
 impl ToRgb {
-    /// Whether the samples are what is wanted already.
+    /// True if the samples stay as they are.
     pub fn is_identity(&self) -> bool {
         self.space.matrix().is_none() && matches!(self.channels, ColourChannels::Rgb(_))
     }
 
-    /// Whether the file's primaries span no colour space, so that they are left alone.
+    /// True if the file's primaries span no colour space, so that they are left alone.
     pub fn is_unclear(&self) -> bool {
         self.space == ToRec709::Impossible
     }
@@ -114,7 +114,7 @@ impl ToRgb {
 }
 
 impl<'a> ExrFile<'a> {
-    /// Whether a file begins as an OpenEXR file does.
+    /// True if a file begins as an OpenEXR file does.
     pub fn is_exr(bytes: &[u8]) -> bool {
         bytes.starts_with(&magic_number::BYTES)
     }
@@ -252,7 +252,7 @@ impl<'a> ExrFile<'a> {
         self.meta.headers[part].shared_attributes.display_window
     }
 
-    /// How samples of the colour channels become linear Rec. 709.
+    /// Conversion of samples of the colour channels to linear Rec. 709.
     pub fn to_rgb(&self, colours: &Colours) -> ToRgb {
         let chromaticities = self.meta.headers[colours.part].shared_attributes.chromaticities;
         ToRgb {
@@ -262,7 +262,7 @@ impl<'a> ExrFile<'a> {
         }
     }
 
-    /// Whether a part is said to be the six sides of a cube.
+    /// True if a part is said to be the six sides of a cube.
     pub fn is_cube_map(&self, part: usize) -> bool {
         self.meta.headers[part].own_attributes.environment_map == Some(EnvironmentMap::Cube)
     }
@@ -420,7 +420,7 @@ fn block_bytes(header: &Header) -> Result<usize, Flaw> {
     bytes.ok_or_else(|| undecodable("its chunks are larger than any memory"))
 }
 
-/// Whether chunks are compressed by DWA, in either size.
+/// True if chunks are compressed by DWA, in either size.
 fn is_dwa(header: &Header) -> bool {
     matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_))
 }

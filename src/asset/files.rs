@@ -23,7 +23,7 @@ impl Files {
         Self { memory, ..Self::default() }
     }
 
-    /// The same, but nothing outside `folder` is opened.
+    /// Confines the reader: nothing outside `folder` is opened.
     ///
     /// # Errors
     /// There is no such folder.
@@ -32,7 +32,7 @@ impl Files {
         Ok(Self { folder: Some(fs::canonicalize(folder)?), ..self })
     }
 
-    /// How much memory may be used.
+    /// Memory that may be used.
     pub fn memory(&self) -> Memory {
         self.memory
     }
@@ -40,7 +40,7 @@ impl Files {
     /// Opens a regular file.
     ///
     /// # Errors
-    /// What the operating system says; a file outside the folder is refused, and anything that is not a regular file,
+    /// Errors of the operating system; a file outside the folder is refused, and anything that is not a regular file,
     /// since devices and pipes may never end.
     pub fn open(&self, path: &Path) -> io::Result<File> {
         self.open_sized(path).map(|(file, _)| file)

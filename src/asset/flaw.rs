@@ -1,11 +1,11 @@
-//! What can be wrong inside a file.
+//! Flaws inside a file.
 
 /// Something wrong inside a file, before the file's name is attached.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flaw {
-    /// What is wrong, and where in the file.
+    /// Problem, and where in the file.
     pub problem: String,
-    /// What to do about it.
+    /// Remedy.
     pub help: String,
 }
 
@@ -15,7 +15,7 @@ impl Flaw {
         Self { problem: problem.into(), help: help.into() }
     }
 
-    /// The same flaw, with the place in the file in front.
+    /// Puts the place in the file in front of the problem.
     pub fn at(self, place: impl std::fmt::Display) -> Self {
         Self { problem: format!("{place}: {}", self.problem), ..self }
     }

@@ -13,7 +13,7 @@ use crate::text::bytes;
 /// Less than this is not worth a question to the operating system.
 const SMALL: u64 = 1 << 20;
 
-/// How much memory may be used.
+/// Memory that may be used.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Memory {
     most: Option<u64>,
@@ -70,13 +70,13 @@ fn address_space() -> Option<u64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// What the control groups of this process and those above them leave.
+/// Bytes that the control groups of this process and those above them leave.
 fn control_groups() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
     groups.lines().filter_map(control_group).min()
 }
 
-/// What a line `hierarchy:controllers:/path` leaves.
+/// Bytes that a line `hierarchy:controllers:/path` leaves.
 fn control_group(line: &str) -> Option<u64> {
     let mut parts = line.splitn(3, ':').skip(1);
     let (controllers, path) = (parts.next()?, parts.next()?);
@@ -90,7 +90,7 @@ fn control_group(line: &str) -> Option<u64> {
     groups.filter_map(|group| left_in(group.to_owned(), limit, usage)).min()
 }
 
-/// What one control group leaves; a group without a limit leaves nothing to say.
+/// Bytes that one control group leaves; `None` for a group without a limit.
 fn left_in(group: PathBuf, limit: &str, usage: &str) -> Option<u64> {
     let read = |name: &str| fs::read_to_string(group.join(name)).ok();
     let number = |name: &str| read(name)?.trim().parse::<u64>().ok();

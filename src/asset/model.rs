@@ -6,7 +6,7 @@ use crate::geometry::Mesh;
 use crate::light::Punctual;
 use crate::shade::Material;
 
-/// What an OBJ or glTF file holds.
+/// Content of an OBJ or glTF file.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// Meshes, each with one material; checked: finite, in range, no degenerate triangles, at least one triangle.
@@ -15,7 +15,7 @@ pub struct Model {
     pub materials: Vec<Material>,
     /// Nodes; a parent comes before its children.
     pub nodes: Vec<Node>,
-    /// What was approximated or ignored, one line each.
+    /// Features approximated or ignored, one line each.
     pub warnings: Vec<String>,
 }
 

@@ -32,11 +32,11 @@ const PICTURES: [&str; 5] = ["bump", "norm", "disp", "decal", "refl"];
 pub(super) struct Libraries {
     /// The nearest materials that the tracer has.
     pub materials: Vec<Material>,
-    /// What was approximated or ignored, one line each.
+    /// Features approximated or ignored, one line each.
     pub warnings: Vec<String>,
     /// Index of each material, by its name; the last one of several.
     names: HashMap<String, usize>,
-    /// The same by names without what may be a comment.
+    /// Index of each material, by its name without what may be a comment; the first one of several.
     short_names: HashMap<String, usize>,
     /// Libraries that were read.
     read: HashSet<PathBuf>,
@@ -118,7 +118,7 @@ fn library_names<'a>(line: &'a str, folder: &Path) -> Vec<&'a str> {
     names
 }
 
-/// Where a file of this name is: in the folder, by a path of Windows, or by its name alone; the first if nowhere.
+/// Path of a file of this name: in the folder, by a path of Windows, or by its name alone; the first if nowhere.
 fn find(folder: &Path, name: &str) -> PathBuf {
     let name = name.trim_matches('"');
     let slashes = name.replace('\\', "/");
@@ -128,7 +128,7 @@ fn find(folder: &Path, name: &str) -> PathBuf {
     found.or(places.first()).cloned().unwrap_or_default()
 }
 
-/// Whether there is something by this name that is no folder.
+/// True if there is something by this name that is no folder.
 fn is_file(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|file| !file.is_dir())
 }
@@ -146,7 +146,7 @@ struct Screened {
     text: String,
     /// The materials' own names.
     names: Vec<String>,
-    /// What statements of pictures say that are not read.
+    /// Values of statements of pictures that are not read.
     unread: HashSet<String>,
 }
 

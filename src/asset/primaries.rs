@@ -22,7 +22,7 @@ const BRADFORD: DMat3 = DMat3::from_cols(
     DVec3::new(-0.1614, 0.0367, 1.0296),
 );
 
-/// What makes colours of some primaries Rec. 709.
+/// Conversion of colours of some primaries to Rec. 709.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToRec709 {
     /// They are Rec. 709.
@@ -61,7 +61,7 @@ impl ToRec709 {
     }
 }
 
-/// How much red, green and blue add to luminance.
+/// Luminance of red, green and blue.
 pub fn luminance_weights(chromaticities: &Chromaticities) -> DVec3 {
     let weights = to_xyz(chromaticities).row(1);
     let is_usable = weights.is_finite() && weights.y > 0.0;

@@ -21,7 +21,7 @@ pub(super) struct Statements<R> {
     line: Vec<u8>,
     /// Its number, from 1.
     number: usize,
-    /// Whether it ended with a CR, to which an LF may belong.
+    /// True if it ended with a CR, to which an LF may belong.
     ended_with_cr: bool,
     /// The last statement.
     text: String,
@@ -55,7 +55,7 @@ impl<R: BufRead> Statements<R> {
     /// The next statement; comments and empty lines are none.
     ///
     /// # Errors
-    /// What the operating system says, or [`io::ErrorKind::InvalidData`] if the text is UTF-16.
+    /// Errors of the operating system, or [`io::ErrorKind::InvalidData`] if the text is UTF-16.
     pub fn next(&mut self) -> io::Result<Option<Statement<'_>>> {
         let mut first;
         loop {
@@ -133,13 +133,13 @@ impl<R: BufRead> Statements<R> {
 }
 
 impl<'a> Statement<'a> {
-    /// What follows the keyword, without a comment.
+    /// Text after the keyword, without a comment.
     pub fn values(&self) -> &'a str {
         self.name.get(..comment(self.name).unwrap_or(self.name.len())).unwrap_or_default().trim_end()
     }
 }
 
-/// Where a comment begins; the `#` of `-1.#IND` and `1.#QNAN`, as Microsoft's library writes numbers, begins none.
+/// Start of a comment; the `#` of `-1.#IND` and `1.#QNAN`, as Microsoft's library writes numbers, begins none.
 fn comment(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let is_number = |at: usize| {

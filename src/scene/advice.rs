@@ -1,4 +1,4 @@
-//! What is odd about a scene, though nothing is wrong with it: a hole that nobody sees, lights that hardly light.
+//! Oddities of a scene, though nothing is wrong with it: a hole that nobody sees, lights that hardly light.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use crate::spacetime::{ConformallyFlat, SpacetimeKind};
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
 const DIM: f64 = 0.02;
 
-/// What is odd about where the hole is: outside of what the surfaces and the camera span, or out of the picture.
+/// Oddities of where the hole is: outside of what the surfaces and the camera span, or out of the picture.
 pub(super) fn of_hole(
     spacetime: SpacetimeKind,
     camera: &Camera,
@@ -53,7 +53,7 @@ fn is_out_of_view(center: DVec3, shadow: f64, camera: &Camera, aspect: f64) -> b
     across.max(up) > shadow
 }
 
-/// Whether no light lights a white surface well, in a scene of these boxes that nothing else lights.
+/// True if there are lights but none lights a white surface well, in a scene of these boxes that nothing else lights.
 pub(super) fn is_dim(lights: &[Punctual], boxes: &[(Bounds, u32)]) -> bool {
     let Some(Bounds { min, max }) = Bounds::of_all(boxes) else {
         return false;

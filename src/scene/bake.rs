@@ -155,7 +155,7 @@ fn checked_light(
     Err(world.fault(entity, "the light is brighter than 1e18", "use a smaller intensity or `light_scale`"))
 }
 
-/// Whether a point is so near the horizon, or within, that no ray is followed there.
+/// True if a point is so near the horizon, or within, that no ray is followed there.
 fn is_in_hole(spacetime: SpacetimeKind, point: DVec3) -> bool {
     spacetime.center().is_some_and(|center| point.distance(center) <= spacetime.innermost())
 }

@@ -26,9 +26,9 @@ pub struct Baked {
     pub environment: Environment,
     /// Settings of the scene file, defaults filled in.
     pub settings: Settings,
-    /// What was read but not understood, one line each.
+    /// Content that was read but not understood, one line each.
     pub warnings: Vec<String>,
-    /// What was decided for want of being told, one line each.
+    /// Choices made for want of being told, one line each.
     pub notes: Vec<String>,
 }
 

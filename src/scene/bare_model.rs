@@ -7,7 +7,7 @@ pub(super) fn bare_scene(path: &Path, component: &str) -> String {
     format!("[[entity]]\n{component} = {}\n", toml_edit::Value::from(bare_name(path)))
 }
 
-/// What that file calls the model; not always the name itself, which may not be text.
+/// Name of the model in that scene file; not always its file name itself, which may not be text.
 pub(super) fn bare_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! What an entity of the scene may have; each has only what it needs.
+//! Components that an entity of the scene may have; each has only what it needs.
 
 use std::ops::Range;
 

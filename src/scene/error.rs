@@ -1,4 +1,4 @@
-//! What can be wrong with a scene. Every message names the file, the place and the remedy.
+//! Errors of a scene. Every message names the file, the place and the remedy.
 
 use std::fmt;
 use std::io;
@@ -16,7 +16,7 @@ pub enum SceneError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error from the operating system.
         source: io::Error,
     },
     /// The file's extension is not that of a scene.
@@ -24,9 +24,9 @@ pub enum SceneError {
     UnknownType {
         /// The file.
         path: PathBuf,
-        /// What it is.
+        /// Problem: the kind of file, if known.
         problem: String,
-        /// How to make a scene of it.
+        /// Remedy: how to make a scene of it.
         help: &'static str,
     },
     /// A place in the scene file is wrong.
@@ -36,7 +36,7 @@ pub enum SceneError {
         path: PathBuf,
         /// Line, column and problem.
         place: Box<Place>,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
     /// The scene as a whole is wrong.
@@ -44,9 +44,9 @@ pub enum SceneError {
     Whole {
         /// The scene file.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem, in words.
         problem: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
     /// An override is malformed or leads nowhere.
@@ -54,9 +54,9 @@ pub enum SceneError {
     Override {
         /// The override as given.
         text: String,
-        /// What is wrong.
+        /// Problem, in words.
         problem: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
     /// A geometry or image file is wrong.
@@ -72,7 +72,7 @@ fn name(path: &Path) -> String {
 /// A problem at a place of a text file; displays as the position, the problem, and the source line with a caret.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// What is wrong.
+    /// Problem, in words.
     pub problem: String,
     /// Line, from 1.
     pub line: usize,
@@ -157,16 +157,16 @@ pub(super) enum Fault {
     Value {
         /// Byte range in the scene file, if the fault has a place there.
         span: Option<Range<usize>>,
-        /// What is wrong.
+        /// Problem, in words.
         problem: String,
-        /// What to do about it.
+        /// Remedy.
         help: String,
     },
     /// An asset that the scene file names at `span`.
     Asset {
         /// Byte range in the scene file.
         span: Range<usize>,
-        /// What is wrong with the asset.
+        /// Error of the asset.
         error: AssetError,
     },
 }

@@ -147,7 +147,7 @@ pub struct FilmTable {
     pub height: Option<Spanned<usize>>,
     /// Reconstruction filter.
     pub filter: Option<Filter>,
-    /// What is behind everything.
+    /// Background, behind everything.
     pub background: Option<Background>,
     /// Stops, for the preview.
     pub exposure: Option<Number>,
@@ -173,11 +173,11 @@ pub struct RenderTable {
     pub schedule: Option<Schedule>,
     /// Sampler.
     pub sampler: Option<SamplerKind>,
-    /// How lights are looked for.
+    /// Sampling of lights.
     pub light_sampling: Option<LightSampling>,
     /// Largest winding number of rays to lights.
     pub max_winding: Option<Spanned<u32>>,
-    /// How light found both ways is shared.
+    /// Heuristic that shares light found both ways.
     pub mis: Option<Heuristic>,
     /// Radians of direction per step.
     pub tolerance: Option<Number>,
@@ -461,7 +461,7 @@ fn plain(message: &str) -> String {
     words.iter().fold(message.to_owned(), |message, (name, word)| message.replace(name, word))
 }
 
-/// What to do about a message of serde or of the TOML parser.
+/// Remedy for a message of serde or of the TOML parser.
 ///
 /// Serde's messages about unknown names read "unknown field `x`, expected one of `a`, `b`".
 fn remedy(message: &str) -> String {

@@ -12,7 +12,7 @@ const DESCRIPTION: &str =
     "export the geometry as glTF (.glb) or OBJ and write a scene file (.toml) that names it";
 const ARCHIVE: &str = "unpack it, and give the .toml, .gltf, .glb or .obj file";
 
-/// What files with these extensions are, and what to do with them.
+/// Extensions of known files, their kind, and what to do with them.
 const KNOWN: &[(&str, &str, &str)] = &[
     ("blend blend1 blend2", "a Blender file", BLENDER),
     ("fbx", "an FBX file", IMPORT),
@@ -46,7 +46,7 @@ const KNOWN: &[(&str, &str, &str)] = &[
     ("zip gz tgz tar 7z rar xz zst", "an archive", ARCHIVE),
 ];
 
-/// What the file at `path` is if it is known, and how to make a scene of it.
+/// Kind of the file at `path` if it is known, and how to make a scene of it.
 pub(super) fn known(path: &Path) -> Option<(&'static str, &'static str)> {
     let extension = path.extension()?.to_str()?.to_lowercase();
     let (_, what, remedy) =

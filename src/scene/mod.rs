@@ -50,7 +50,7 @@ use world::World;
 /// Bytes that a triangle takes in the tree, while it is built.
 const TRIANGLE_BYTES: u64 = 160;
 
-/// What is asked of a scene beside its file.
+/// Options for loading a scene, beside its file.
 #[derive(Debug, Default)]
 pub struct LoadOptions {
     /// Overrides `path.to.key=value`, as after `--set`; array entries go by index or by name.
@@ -69,7 +69,7 @@ pub struct LoadOptions {
     pub files: Files,
 }
 
-/// What to do about a file that is none.
+/// Remedy for a file that is no scene.
 const SCENES: &str = "a scene is a .toml, .gltf, .glb or .obj file";
 
 /// Light from infinity, as an option names it.
@@ -77,7 +77,7 @@ const SCENES: &str = "a scene is a .toml, .gltf, .glb or .obj file";
 pub enum Surroundings {
     /// The built-in sky.
     Sky,
-    /// The same radiance from everywhere, linear RGB.
+    /// Radiance, the same from everywhere, linear RGB.
     Color(Vec3),
     /// A latitude-longitude picture.
     Image(PathBuf),

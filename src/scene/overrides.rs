@@ -4,7 +4,7 @@ use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike,
 
 use super::error::{Fault, SceneError, suggestion};
 
-/// What is wrong with an override: problem and remedy.
+/// Complaint about an override: problem and remedy.
 type Complaint = (String, String);
 
 /// Parses the text as a document that can be edited.

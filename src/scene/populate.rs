@@ -33,7 +33,7 @@ const DEFAULT_IOR: f64 = 1.5;
 /// the power of lights, but not the emission of materials.
 const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
 
-/// Where the files that a scene file names are read from.
+/// Source of the files that a scene file names.
 pub(super) struct Source<'a> {
     /// The folder that paths are relative to.
     pub folder: &'a Path,

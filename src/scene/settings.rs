@@ -15,7 +15,7 @@ pub enum Filter {
     Box,
 }
 
-/// What the camera sees where a ray of it leaves to infinity without having met a surface, lensed or not.
+/// Background, seen where a camera ray leaves to infinity without having met a surface, lensed or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
@@ -26,7 +26,7 @@ pub enum Background {
     Transparent,
 }
 
-/// How rays are advanced through curved space.
+/// Stepper that advances rays through curved space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
@@ -82,7 +82,7 @@ pub enum SamplerKind {
     Independent,
 }
 
-/// How lights are looked for, beside the rays that surfaces send out.
+/// Sampling of lights, beside the rays that surfaces send out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
@@ -119,7 +119,7 @@ pub struct Settings {
     pub height: usize,
     /// Reconstruction filter.
     pub filter: Filter,
-    /// What is behind everything.
+    /// Background, behind everything.
     pub background: Background,
     /// Exposure of the PNG preview, in stops.
     pub exposure: f64,
@@ -139,12 +139,12 @@ pub struct Settings {
     pub schedule: Schedule,
     /// Random numbers.
     pub sampler: SamplerKind,
-    /// How lights are looked for.
+    /// Sampling of lights.
     pub light_sampling: LightSampling,
     /// Largest winding number of rays to lights that are looked for: 0 the near way, 1 around the far side as well, and
     /// so on.
     pub max_winding: u32,
-    /// How light that is found both ways is shared.
+    /// Heuristic that shares light found both ways.
     pub heuristic: Heuristic,
     /// Largest error of a ray's direction, all its steps together, radians at its start.
     pub tolerance: f64,

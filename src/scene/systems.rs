@@ -1,4 +1,4 @@
-//! What is computed from components: world transforms, world-space shapes, the camera, the scene's extent.
+//! Systems, which compute from components: world transforms, world-space shapes, the camera, the scene's extent.
 
 use std::f64::consts::PI;
 
@@ -103,7 +103,7 @@ pub(super) fn light_in_world(LightShape(light): LightShape, to_world: &DAffine3)
     })
 }
 
-/// Whether a light has a direction that a scale of 0 loses.
+/// True if a light has a direction that a scale of 0 loses.
 pub(super) fn is_aimless(LightShape(light): &LightShape, to_world: &DAffine3) -> bool {
     match light {
         Punctual::Point { .. } => false,
@@ -113,7 +113,7 @@ pub(super) fn is_aimless(LightShape(light): &LightShape, to_world: &DAffine3) ->
     }
 }
 
-/// Whether a scale of 0 loses the direction or the upright of a camera.
+/// True if a scale of 0 loses the direction or the upright of a camera.
 fn is_blind(to_world: &DAffine3) -> bool {
     to_world.matrix3.y_axis.cross(to_world.matrix3.z_axis) == DVec3::ZERO
 }
@@ -153,13 +153,13 @@ impl Bounds {
         })
     }
 
-    /// Whether all coordinates are finite and small enough to compute with in 32 bits.
+    /// True if all coordinates are finite and small enough to compute with in 32 bits.
     pub fn is_representable(self) -> bool {
         [self.min, self.max].iter().all(|corner| is_representable(*corner))
     }
 }
 
-/// Whether a point has finite coordinates, small enough to compute with in 32 bits.
+/// True if a point has finite coordinates, small enough to compute with in 32 bits.
 pub(super) fn is_representable(point: DVec3) -> bool {
     point.is_finite() && point.abs().max_element() <= LARGEST
 }

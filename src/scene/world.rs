@@ -34,15 +34,15 @@ pub(super) struct World {
     pub settings: Settings,
     /// The camera written in the scene file itself.
     pub camera: Option<Entity>,
-    /// Whether the scene file or an option says which spacetime there is.
+    /// True if the scene file or an option says which spacetime there is.
     pub has_own_spacetime: bool,
-    /// Whether the scene file or an option says how large the picture is.
+    /// True if the scene file or an option says how large the picture is.
     pub has_own_size: bool,
-    /// Whether lights of a glTF file are scaled without having been told how.
+    /// True if lights of a glTF file are scaled by the default factor, none being given.
     pub guesses_light_scale: bool,
-    /// What is lost, one line each.
+    /// Content that is lost, one line each.
     pub warnings: Vec<String>,
-    /// What is decided for want of being told, one line each.
+    /// Choices made for want of being told, one line each.
     pub notes: Vec<String>,
     models: HashMap<PathBuf, LoadedModel>,
 }
@@ -63,7 +63,7 @@ pub(super) enum ModelFormat {
     Gltf,
 }
 
-/// What a scene file says over the head of a model.
+/// Settings of a scene file that override a model.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     /// Replaces every material.
@@ -72,7 +72,7 @@ pub(super) struct Look {
     pub emission: Option<glam::Vec3>,
     /// Factor on the lights: W/sr per candela, W/m² per lux.
     pub light_scale: f32,
-    /// Whether that is the default.
+    /// True if that is the default.
     pub guesses_light_scale: bool,
 }
 
@@ -107,7 +107,7 @@ impl World {
         self.materials.get(handle.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Whether any surface or punctual light emits light.
+    /// True if any surface or punctual light emits light.
     pub fn emits(&self) -> bool {
         let meshes = |shape: &MeshShape| shape.0.iter().any(|(_, material)| self.material(*material).emits());
         self.entities.query::<&MaterialHandle>().iter().any(|material| self.material(*material).emits())

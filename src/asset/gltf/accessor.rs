@@ -12,7 +12,7 @@ use crate::asset::flaw::Flaw;
 /// Most elements of a column that is read whole but has no buffer view behind it, whose count the file's size therefore
 /// does not bound.
 const MAX_IMPLICIT: usize = 1 << 16;
-/// What stands for the elements of a column without buffer view; no element is longer.
+/// Zeros that stand for the elements of a column without buffer view; no element is longer.
 const ZEROS: [u8; 12] = [0; 12];
 
 /// A column of elements in the bytes of a file.

@@ -62,7 +62,7 @@ impl<'a> Buffers<'a> {
         self.contents.get(*self.buffers.get(buffer)?).map(AsRef::as_ref)
     }
 
-    /// How much memory may be used.
+    /// Memory that may be used.
     pub fn memory(&self) -> Memory {
         self.files.memory()
     }
@@ -91,7 +91,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// Where an encoded image is; images with the same one are the same.
+/// Source of an encoded image; images with the same one are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum ImageSource<'a> {
     /// Index of a buffer view.

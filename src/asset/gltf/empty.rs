@@ -46,7 +46,7 @@ pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<O
 /// Names that Blender gives to lights; its older exporters turn them by a child, `Area_Orientation`.
 const LIGHTS: [&str; 7] = ["area", "arealight", "light", "lamp", "point", "spot", "sun"];
 
-/// Whether a name is `plain`, in any case, with separators, or numbered as Blender does it: `Black Hole.001`.
+/// True if a name is `plain`, in any case, with separators, or numbered as Blender does it: `Black Hole.001`.
 fn is_named(name: &str, plain: &str) -> bool {
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
     let letters = stem.chars().filter(|c| !matches!(c, ' ' | '_' | '-' | '.'));

@@ -235,7 +235,7 @@ impl Import {
     }
 }
 
-/// Whether `KHR_node_visibility` hides the node, and all below it.
+/// True if `KHR_node_visibility` hides the node, and all below it.
 fn is_hidden(node: &gltf::Node) -> bool {
     let visibility = node.extension_value("KHR_node_visibility");
     visibility.and_then(|values| values.get("visible")?.as_bool()) == Some(false)

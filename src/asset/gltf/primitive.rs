@@ -19,7 +19,7 @@ pub(super) struct Source {
     mode: u32,
 }
 
-/// What a primitive of the mesh called `name` is made of; `None` if it has no surface.
+/// Source of a primitive of the mesh called `name`; `None` if it has no surface.
 pub(super) fn source(
     primitive: &gltf::Primitive,
     notes: &mut Notes,

@@ -13,7 +13,7 @@ const HARMLESS_PREFIXES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_tex
 
 /// Checks the structure of a document.
 ///
-/// What is not read may be wrong: animations, samplers, skins, bounds of accessors, targets of buffer views. Cameras
+/// Unread parts may be wrong: animations, samplers, skins, bounds of accessors, targets of buffer views. Cameras
 /// without a lens and extensions that change only what is ignored anyway are let through as well. Of what is read, the
 /// crate's accessors unwrap
 ///

@@ -19,9 +19,9 @@ const MAGIC: &[u8] = b"#?";
 /// The least number of bytes of a row.
 const ROW_BYTES: usize = 4;
 
-/// What a header says.
+/// Content of a header.
 struct Header {
-    /// What pixels have been multiplied by, red, green, blue.
+    /// Factors by which pixels have been multiplied, red, green, blue.
     factors: Vec3,
     primaries: Option<Chromaticities>,
     orientation: Orientation,
@@ -31,7 +31,7 @@ struct Header {
     length: usize,
 }
 
-/// How pixels are ordered.
+/// Order of pixels.
 #[derive(Clone, Copy)]
 struct Orientation {
     /// Runs are columns.
@@ -42,7 +42,7 @@ struct Orientation {
     upwards: bool,
 }
 
-/// Whether a file begins as a Radiance picture does.
+/// True if a file begins as a Radiance picture does.
 pub(super) fn is_hdr(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }

@@ -53,7 +53,7 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
     Ok(Picture { width, height, pixels, warnings: Vec::new() })
 }
 
-/// Where the data window starts, from where the display window does.
+/// Offset of the data window's start from the display window's.
 fn offset(data: IntegerBounds, display: IntegerBounds, axis: usize) -> i64 {
     let of = |window: IntegerBounds| [window.position.x(), window.position.y()][axis];
     i64::from(of(data)) - i64::from(of(display))

@@ -19,7 +19,7 @@ pub struct Picture {
     pub height: usize,
     /// Linear RGB, row-major, from the top; finite and not negative.
     pub pixels: Vec<Vec3>,
-    /// What was changed, one line each.
+    /// Changes made, one line each.
     pub warnings: Vec<String>,
 }
 

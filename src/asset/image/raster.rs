@@ -9,7 +9,7 @@ use super::picture::{Picture, check_size, undecodable};
 use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 
-/// What a picture costs at most while it is decoded, bytes per pixel: four channels of 16 bits.
+/// Most memory of a picture while it is decoded, bytes per pixel: four channels of 16 bits.
 const DECODED: u64 = 8;
 /// The gamma of a PNG file that stands for sRGB.
 const SRGB_GAMMA: f64 = 0.45455;
@@ -25,7 +25,7 @@ const BESIDE: u64 = 1 << 26;
 /// Bytes per pixel of a row that decoding takes.
 const ROWS: u64 = 64;
 
-/// Whether a file begins as a PNG or JPEG file does.
+/// True if a file begins as a PNG or JPEG file does.
 pub(super) fn is_known(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x89PNG") || bytes.starts_with(b"\xff\xd8\xff")
 }
@@ -84,7 +84,7 @@ fn open(bytes: &[u8], memory: &Memory) -> Result<(DynamicImage, Transfer), Flaw>
     Ok((decoded, gamma.map_or(Transfer::Srgb, Transfer::Gamma)))
 }
 
-/// How samples stand for light.
+/// Transfer function by which samples stand for light.
 enum Transfer {
     /// IEC 61966-2-1.
     Srgb,

@@ -19,7 +19,7 @@ pub(super) fn check_coordinate(word: &str) -> Result<(), Flaw> {
     }
 }
 
-/// Whether four numbers are a place and a weight by which it can be divided.
+/// True if four numbers are a place and a weight by which it can be divided.
 pub(super) fn has_usable_weight(words: &[&str]) -> bool {
     let numbers: Option<Vec<f32>> = words.iter().map(|word| word.parse().ok()).collect();
     let Some([place @ .., weight]) = numbers.as_deref().filter(|numbers| numbers.len() == 4) else {

@@ -40,7 +40,7 @@ pub(super) struct Section {
     pub material: Option<usize>,
 }
 
-/// What a file holds beside its geometry.
+/// Content of a file beside its geometry.
 pub(super) struct Survey {
     /// In the order of the file.
     pub sections: Vec<Section>,
@@ -48,20 +48,20 @@ pub(super) struct Survey {
     pub objects: Vec<String>,
     /// The material libraries that the file names.
     pub libraries: Libraries,
-    /// What was passed over.
+    /// Content that was passed over.
     pub notes: Notes,
-    /// Whether vertices have more than three numbers.
+    /// True if any vertex has more than three numbers.
     pub has_long_vertices: bool,
-    /// Whether normals are not made of three finite numbers.
+    /// True if any normal is not made of three finite numbers.
     pub has_odd_normals: bool,
-    /// How many positions, texture coordinates and normals there are.
+    /// Counts of positions, texture coordinates and normals.
     counts: [i64; 3],
     /// The largest index of each in this section, and its line.
     largest: [(i64, usize); 3],
     /// Corners of faces, and how many of them have a normal.
     corners: usize,
     with_normal: usize,
-    /// Whether the last section has faces.
+    /// True if the last section has faces.
     has_faces: bool,
     lines: usize,
     points: usize,
@@ -71,7 +71,7 @@ impl Survey {
     /// Reads a file to its end; the inner error is what is wrong with it, and where.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Errors of the operating system.
     pub fn of(
         mut statements: Statements<impl BufRead>,
         folder: &Path,
@@ -100,7 +100,7 @@ impl Survey {
         Ok(survey.finish())
     }
 
-    /// Whether there are normals, and corners without one.
+    /// True if there are normals, and corners without one.
     pub fn has_partial_normals(&self) -> bool {
         self.counts[NORMAL] > 0 && self.with_normal < self.corners
     }
