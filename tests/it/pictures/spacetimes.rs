@@ -1,6 +1,7 @@
 //! Pictures in every spacetime of the table: furnaces, light sampling, both schedules.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use crate::support::lit::{Agreement, TWISTS, Twist, picture, room};
 use crate::support::{
@@ -8,8 +9,8 @@ use crate::support::{
 };
 use glam::DVec3;
 use warpfront::scene::LightSampling::{Geodesic, Off};
-use warpfront::spacetime::Entry;
-use warpfront::trace::Run;
+use warpfront::spacetime::{Entry, Schwarzschild};
+use warpfront::trace::{Run, Session};
 
 /// `[spacetime]` of a charged hole.
 fn charged(charge: f64) -> String {
@@ -67,4 +68,22 @@ fn charged_holes_have_the_same_bits_by_both_schedules_and_with_the_papers_scheme
         let with = |schedule: &str| values(&path, &[&common[..], &[&stepper, schedule]].concat());
         assert_eq!(with("render.schedule=\"wavefront\""), with("render.schedule=\"per-pixel\""), "{stepper}");
     }
+}
+
+#[test]
+fn a_spacetime_of_ones_own_is_rendered_as_one_of_the_table() {
+    let scene = scene_file(
+        &scene_path("cornell_black_hole.toml"),
+        &["film.width=24", "film.height=18", "render.spp=4"],
+    );
+    let (run, cancel) = (Run::default(), AtomicBool::new(false));
+    let hole = Schwarzschild::new(scene.spacetime.schwarzschild_radius());
+    let center = scene.spacetime.center().unwrap();
+    let mut session = Session::around(&scene, (center, hole), &run, &cancel);
+    while session.pass(scene.settings.spp, |_| ()) {}
+    assert_eq!(session.image().plane("G"), render(&scene, &run).image.plane("G"));
+    // Without mass there is nothing to see of it.
+    let mut weak = Session::around(&scene, (center, Schwarzschild::new(1e-9)), &run, &cancel);
+    while weak.pass(scene.settings.spp, |_| ()) {}
+    assert_ne!(weak.image().plane("G"), session.image().plane("G"));
 }
