@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::failure::Failure;
 use super::table::Header;
-use crate::spacetime::{Entry, SPACETIMES, SpacetimeKind};
+use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
 use crate::study::free::{Fault, FreeRay, Input};
 
 /// Reads `--spacetime`: a name from the table of all.
@@ -16,11 +16,20 @@ pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
     names.try_map(|name| Entry::named(&name).ok_or("not a spacetime"))
 }
 
-/// Columns that describe a spacetime: where they are, or what is taken where there are none.
+/// Parameters of the spacetime of a table's rows.
 #[derive(Clone)]
 pub(super) struct Parameters {
     entry: &'static Entry,
-    columns: Vec<Result<(&'static str, usize), f64>>,
+    sources: Vec<Source>,
+}
+
+/// Source of a parameter's values.
+#[derive(Clone, Copy)]
+enum Source {
+    /// A column: its name and place.
+    Column(&'static str, usize),
+    /// The value of a parameter whose column is not there.
+    Constant(f64),
 }
 
 impl Parameters {
@@ -30,21 +39,21 @@ impl Parameters {
         entry: &'static Entry,
         others: &[&'static str],
     ) -> Result<Self, Failure> {
-        let mut columns = Vec::with_capacity(entry.parameters.len());
+        let mut needed = Vec::new();
         for parameter in entry.parameters {
-            let name = parameter.column;
-            columns.push(match (header.place(name)?, parameter.in_tables) {
-                (None, Some(value)) => Err(value),
-                (Some(place), _) => Ok((name, place)),
-                (None, None) => {
-                    let needed: Vec<&str> =
-                        entry.parameters.iter().map(|p| p.column).chain(others.iter().copied()).collect();
-                    header.all(&needed)?;
-                    continue;
-                }
-            });
+            if parameter.in_tables.is_none() || header.place(parameter.column)?.is_some() {
+                needed.push(parameter.column);
+            }
         }
-        Ok(Self { entry, columns })
+        needed.extend(others);
+        let places = header.all(&needed)?;
+        let source = |parameter: &Parameter| {
+            let found = places.iter().find(|(name, _)| *name == parameter.column);
+            found
+                .map(|&(name, place)| Source::Column(name, place))
+                .or(parameter.in_tables.map(Source::Constant))
+        };
+        Ok(Self { entry, sources: entry.parameters.iter().filter_map(source).collect() })
     }
 
     /// Name of the spacetime.
@@ -54,16 +63,19 @@ impl Parameters {
 
     /// Columns that there are.
     pub(super) fn places(&self) -> impl Iterator<Item = (&'static str, usize)> {
-        self.columns.iter().filter_map(|column| column.ok())
+        self.sources.iter().filter_map(|source| match *source {
+            Source::Column(name, place) => Some((name, place)),
+            Source::Constant(_) => None,
+        })
     }
 
     /// The spacetime of a row, about the origin.
     pub(super) fn of(&self, header: &Header, row: &ByteRecord) -> Result<SpacetimeKind, Failure> {
-        let value = |column: &Result<_, f64>| match *column {
-            Ok((name, place)) => header.number(row, name, place),
-            Err(value) => Ok(value),
+        let value = |source: &Source| match *source {
+            Source::Column(name, place) => header.number(row, name, place),
+            Source::Constant(value) => Ok(value),
         };
-        let values: Result<Vec<f64>, Failure> = self.columns.iter().map(value).collect();
+        let values: Result<Vec<f64>, Failure> = self.sources.iter().map(value).collect();
         Ok(self.entry.with(DVec3::ZERO, &values?))
     }
 }

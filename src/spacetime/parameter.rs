@@ -33,6 +33,16 @@ pub enum Range {
     },
 }
 
+impl Parameter {
+    /// Problem with `value` and its remedy, if it is a ratio out of bounds; lengths are for the caller to bound.
+    pub fn out_of_bounds(&self, value: f64) -> Option<(String, String)> {
+        let Range::Ratio { least, most, why } = self.range else { return None };
+        let problem = || format!("{} is {value}: {why}", self.noun);
+        let remedy = || format!("give a number from {least} to {most}");
+        (!(least..=most).contains(&value)).then(|| (problem(), remedy()))
+    }
+}
+
 /// r_s = 2M: the length scale of every hole.
 pub(super) const SCHWARZSCHILD_RADIUS: Parameter = Parameter {
     key: "schwarzschild_radius",

@@ -118,7 +118,7 @@ impl Joiner {
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {
-                return Ok(length);
+                return Ok(());
             }
             let remedy = format!("give a length above 0, from {least:e} to {most:e}{also}");
             Err(Fault { input, cause: format!("{what} is {length}"), remedy })
@@ -132,16 +132,11 @@ impl Joiner {
         let spin = cross_exact::cross(x, y).length();
         for (parameter, value) in spacetime.parameters() {
             let input = Input::Parameter(parameter.column);
-            match parameter.range {
-                Range::Length => drop(length(input, parameter.noun, value, ", or 0 for flat space")?),
-                Range::Ratio { least, most, .. } if (least..=most).contains(&value) => {}
-                Range::Ratio { least, most, why } => {
-                    return Err(Fault {
-                        input,
-                        cause: format!("{} is {value}: {why}", parameter.noun),
-                        remedy: format!("give a number from {least} to {most}"),
-                    });
-                }
+            if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
+                return Err(Fault { input, cause, remedy });
+            }
+            if parameter.range == Range::Length {
+                length(input, parameter.noun, value, ", or 0 for flat space")?;
             }
         }
         let Some((metric, unit)) = spacetime.in_units() else {

@@ -271,17 +271,14 @@ impl Lengths {
     /// Refuses values that a parameter of a spacetime may not have.
     fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), Fault> {
         let input = Input::Parameter(parameter.column);
-        match parameter.range {
-            Range::Length => self
-                .check(input, parameter.noun, value)
-                .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault }),
-            Range::Ratio { least, most, .. } if (least..=most).contains(&value) => Ok(()),
-            Range::Ratio { least, most, why } => Err(Fault {
-                input,
-                cause: format!("{} is {value}: {why}", parameter.noun),
-                remedy: format!("give a number from {least} to {most}"),
-            }),
+        if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
+            return Err(Fault { input, cause, remedy });
         }
+        if parameter.range != Range::Length {
+            return Ok(());
+        }
+        self.check(input, parameter.noun, value)
+            .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })
     }
 
     /// The start of `ray` relative to `center`.
