@@ -143,7 +143,7 @@ impl Fan {
         Table::of(rows).write_csv(out)
     }
 
-    /// The points of a trail, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
+    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
         if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {

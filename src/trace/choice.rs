@@ -12,11 +12,9 @@ use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
 use crate::spacetime::{Chart, ConformallyFlat, SpacetimeVisitor};
 
-/// Runs `errand` with the transport of a render.
+/// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
-    // Without a sky nobody asks where rays go that leave.
-    let sky = !scene.environment.is_black();
-    with_transport_to(scene, f64::INFINITY, sky, visitor)
+    with_transport_to(scene, f64::INFINITY, has_sky(scene), visitor)
 }
 
 /// Like [`with_render_transport`], in `medium` about `center` whatever the scene says of spacetime.
@@ -25,11 +23,15 @@ pub fn with_medium<M: ConformallyFlat, E: TransportVisitor>(
     (center, medium): (DVec3, M),
     visitor: E,
 ) -> E::Output {
-    let sky = !scene.environment.is_black();
-    Choice { scene, core: f64::INFINITY, sky, visitor }.spherical(center, medium)
+    Choice { scene, core: f64::INFINITY, sky: has_sky(scene), visitor }.spherical(center, medium)
 }
 
-/// Runs `errand` with the transport that the scene's spacetime and settings call for.
+/// True if directions at infinity are needed: only an environment asks for them.
+fn has_sky(scene: &Baked) -> bool {
+    !scene.environment.is_black()
+}
+
+/// Runs `visitor` with the transport that the scene's spacetime and settings call for.
 pub fn with_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
     with_transport_to(scene, f64::INFINITY, true, visitor)
 }
