@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, Straight, Tree};
+use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, StraightAim, Tree};
 use warpfront::scene::{self, Baked};
 use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::transport::Outcome;
@@ -102,7 +102,7 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
 
 #[divan::bench]
 fn propose_along_lines(bencher: Bencher) {
-    propose(bencher, |_| Straight);
+    propose(bencher, |_| StraightAim);
 }
 
 #[divan::bench]

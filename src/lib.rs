@@ -27,7 +27,7 @@
 //!     ..Baked::default()
 //! };
 //! let picture = render(&scene, &Run::default(), &AtomicBool::new(false), &|_| ()).image;
-//! let red = picture.plane("R").expect("a colour");
+//! let red = picture.channel("R").expect("a colour");
 //! // The hole's shadow in the middle, the sky in a corner.
 //! assert_eq!((red[12 * 32 + 16], red[0]), (0.0, 1.0));
 //! ```

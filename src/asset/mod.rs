@@ -24,5 +24,5 @@ pub use flaw::Flaw;
 pub use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
 pub use memory::Memory;
-pub use model::{Lens, Model, Node, Part};
+pub use model::{Model, ModelCamera, ModelNode, Part};
 pub use obj::load as load_obj;

@@ -8,13 +8,13 @@ use csv::ByteRecord;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outcome::Outcome;
 use super::outputs::same_file;
 use super::progress::{Meter, Show};
 use super::say::say;
-use super::table::{Header, Table};
+use super::table::{InputTable, TableHeader};
 use crate::film::atomic::Output;
 use crate::study::table::io_error;
 
@@ -73,20 +73,20 @@ impl Setup<'_> {
     /// reader of standard output has gone away, as `head` does, which is no failure.
     pub(super) fn run<J: RowWise>(
         &self,
-        job: impl FnOnce(&Header) -> Result<J, Failure>,
-    ) -> Result<Outcome, Failure> {
+        job: impl FnOnce(&TableHeader) -> Result<J, Failure>,
+    ) -> Result<Completion, Failure> {
         // Without a result to keep, Ctrl-C ends the process and removes the unfinished file.
         Interrupt::install();
         let started = Instant::now();
-        let mut table = Table::open(self.input, self.what[0])?;
+        let mut table = InputTable::open(self.input, self.what[0])?;
         let mut job = job(&table.header)?;
-        let Some(wrote) = self.write(&mut table, &mut job)? else { return Ok(Outcome::Good) };
+        let Some(wrote) = self.write(&mut table, &mut job)? else { return Ok(Completion::Good) };
         say(format!("{}{wrote}", job.summary(started.elapsed().as_secs_f64())));
-        Ok(if self.strict && job.lost() > 0 { Outcome::Lost } else { Outcome::Good })
+        Ok(if self.strict && job.lost() > 0 { Completion::Lost } else { Completion::Good })
     }
 
     /// Writes the answers, and tells where, in words; none if the reader of standard output has gone away.
-    fn write(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
+    fn write(&self, table: &mut InputTable, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
         let Some(path) = self.output else {
             return match self.stream(table, job, io::stdout().lock()) {
                 Ok(done) => done.map(|()| Some(String::new())),
@@ -111,7 +111,7 @@ impl Setup<'_> {
     /// The outer error is one of `out`, the inner one of the table.
     fn stream(
         &self,
-        table: &mut Table,
+        table: &mut InputTable,
         job: &mut impl RowWise,
         out: impl Write,
     ) -> io::Result<Result<(), Failure>> {
@@ -125,7 +125,7 @@ impl Setup<'_> {
 }
 
 fn chunks(
-    table: &mut Table,
+    table: &mut InputTable,
     job: &mut impl RowWise,
     mut out: impl Write,
     pool: Option<&ThreadPool>,

@@ -2,7 +2,7 @@
 //!
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.14.
 
-use super::stepper::{Estimate, Nystrom, Stepper, Trial};
+use super::stepper::{Nystrom, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Nyström, order 4.
@@ -25,7 +25,7 @@ const TABLEAU: Nystrom<4> = Nystrom {
 
 impl Stepper for Rkn4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 1.0, undone: 10.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 5, embedded: 1.0, undone: 10.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

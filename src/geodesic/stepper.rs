@@ -23,7 +23,7 @@ pub struct Trial<R, const N: usize = 1> {
 /// From what is known of a step to its error along the orbit, which is what remains: factors calibrated on random rays
 /// around a hole, such that the error of a whole ray keeps within its tolerance (`tests/it/geodesics/tolerance.rs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct StepErrorModel {
     /// Power of the step length with which the estimate falls.
     pub order: u32,
     /// Factor on the stepper's own estimate times the step's relative length: it falls one order slower than the error.
@@ -38,7 +38,7 @@ pub trait Stepper: Copy + Send + Sync {
     const ORDER: u32;
 
     /// Estimate of its error.
-    const ESTIMATE: Estimate;
+    const ESTIMATE: StepErrorModel;
 
     /// One step of length `h` from ξ = 0, given W, dW/dξ and G there.
     fn step<R: Real, const N: usize>(

@@ -136,11 +136,11 @@ impl Geometry {
     /// A triangle from the middle of a placed mesh, for all of them: asked of every instance, so no walk of the mesh.
     fn placed_extent(&self, placed: &Placed) -> f64 {
         let Some(shared) = &self.shared[placed.mesh as usize] else { return 0.0 };
-        let origin_prim = shared.bvh.order().len() / LEAF_SIZE;
-        if origin_prim == 0 {
+        let leaves = shared.bvh.order().len() / LEAF_SIZE;
+        if leaves == 0 {
             return 0.0;
         }
-        let (min, max) = shared.triangles.get(origin_prim / 2 * LEAF_SIZE).bounds();
+        let (min, max) = shared.triangles.get(leaves / 2 * LEAF_SIZE).bounds();
         min.distance(max) / placed.shrink
     }
 }

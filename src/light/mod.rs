@@ -21,7 +21,7 @@ mod sky;
 mod tree;
 
 pub use aim::lensed::Lensed;
-pub use aim::straight::Straight;
+pub use aim::straight::StraightAim;
 pub use aim::{Aim, Approach, Link};
 pub use emitter::{Cap, Emitter, Form, Spot, Standpoint, View};
 pub use guide::{Guide, Neighbourhood, Photon};

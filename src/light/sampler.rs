@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::aim::{Aim, Link};
 use super::emitter::{Emitter, Standpoint, View};
-use super::lights::{Choice, Lights};
+use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightSample, Target};
@@ -47,10 +47,10 @@ impl<A: Aim> LightSampler for A {
         let choice = lights.choose(receiver, u0)?;
         let x = self.place(receiver.position);
         match choice {
-            Choice::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
-            Choice::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
-            Choice::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
-            Choice::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
+            ChosenLight::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
+            ChosenLight::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
+            ChosenLight::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
+            ChosenLight::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
         }
     }
 

@@ -1,10 +1,10 @@
-//! Charts for papers: drawn as SVG, and as PNG by rasterising that.
+//! Diagrams for papers: drawn as SVG, and as PNG by rasterising that.
 //!
-//! [`Figure`] holds [`Chart`]s side by side above one legend; a chart holds [`Series`] of curves between two [`Axis`].
+//! [`Figure`] holds [`Diagram`]s side by side above one legend; a diagram holds [`Series`] of curves between two [`Axis`].
 //! Colours are those of Okabe and Ito, which the colour-blind can tell apart too, and markers repeat what they say.
 
 mod axis;
-mod chart;
+mod diagram;
 mod figure;
 mod png;
 mod style;
@@ -14,7 +14,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub use axis::Axis;
-pub use chart::{Chart, Series};
+pub use diagram::{Diagram, Series};
 pub use figure::Figure;
 pub use style::{Color, Style};
 

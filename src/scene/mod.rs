@@ -31,7 +31,7 @@ use glam::{DVec3, Vec3};
 
 pub use baked::Baked;
 pub use camera::Camera;
-pub use error::{Place, SceneError};
+pub use error::{Diagnostic, SceneError};
 #[cfg(feature = "cli")]
 pub use settings::flag_name;
 pub use settings::{
@@ -44,7 +44,7 @@ use crate::shade::Environment;
 use crate::spacetime::SpacetimeKind;
 use bare_model::bare_scene;
 use error::{Fault, SourceText};
-use populate::Source;
+use populate::AssetSource;
 use world::World;
 
 /// Bytes that a triangle takes in the tree, while it is built.
@@ -162,7 +162,7 @@ fn build(
     let bare = source.on_disk.is_none().then_some(source.path);
     let mut world = populate::populate(
         file,
-        &Source { folder, bare, files: &options.files, light_scale: options.light_scale },
+        &AssetSource { folder, bare, files: &options.files, light_scale: options.light_scale },
     )?;
     check_memory(&world, &options.files.memory())?;
     if let Some(hole) = options.black_hole {

@@ -13,6 +13,6 @@ pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel, sample_cosine};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence};
 pub use material::Material;
-pub use media::{Crossing, Media};
+pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, Sampler};
 pub use scatter::{evaluate, scatter};

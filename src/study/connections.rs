@@ -13,7 +13,7 @@ use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct PointPair {
     /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
     /// One point, isotropic coordinates.
@@ -89,8 +89,8 @@ impl Joiner {
     ///
     /// # Errors
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
-    pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, InputError> {
-        let Pair { spacetime, x, y } = *pair;
+    pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
+        let PointPair { spacetime, x, y } = *pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use super::input_error::{Input, InputError};
-use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
+use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
@@ -37,7 +37,7 @@ pub struct Accuracy {
 
 /// Status of a ray at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum FreeRayEnd {
     /// It crossed the sphere outwards.
     Escaped,
     /// It falls through the horizon before.
@@ -50,7 +50,7 @@ pub enum Status {
     NonFinite,
 }
 
-impl Status {
+impl FreeRayEnd {
     /// All, in order.
     pub const ALL: [Self; 5] =
         [Self::Escaped, Self::Captured, Self::Missed, Self::StepLimit, Self::NonFinite];
@@ -58,17 +58,17 @@ impl Status {
     /// As tables have it.
     pub fn name(self) -> &'static str {
         match self {
-            Status::Escaped => "escaped",
-            Status::Captured => "captured",
-            Status::Missed => "missed",
-            Status::StepLimit => "step-limit",
-            Status::NonFinite => "non-finite",
+            FreeRayEnd::Escaped => "escaped",
+            FreeRayEnd::Captured => "captured",
+            FreeRayEnd::Missed => "missed",
+            FreeRayEnd::StepLimit => "step-limit",
+            FreeRayEnd::NonFinite => "non-finite",
         }
     }
 
     /// True if numbers failed, and not the ray.
     pub fn is_lost(self) -> bool {
-        matches!(self, Status::StepLimit | Status::NonFinite)
+        matches!(self, FreeRayEnd::StepLimit | FreeRayEnd::NonFinite)
     }
 }
 
@@ -76,7 +76,7 @@ impl Status {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
     /// Status at its end.
-    pub status: Status,
+    pub status: FreeRayEnd,
     /// Crossing of the sphere, if it escaped.
     pub crossing: Option<Crossing>,
     /// Impact parameter L/E, a length.
@@ -113,7 +113,7 @@ pub struct Crossing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// Status at its end.
-    pub status: Status,
+    pub status: FreeRayEnd,
     /// Position of the crossing of the sphere, in the chart, and unit direction there, if it escaped.
     pub crossing: Option<(DVec3, DVec3)>,
     /// Steps tried.
@@ -327,15 +327,15 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         if on_sphere { self.launch.w } else { 1.0 / self.ray.r_out }
     }
 
-    fn status<R>(&self, end: &End<R>) -> Status {
+    fn status<R>(&self, end: &OrbitEnd<R>) -> FreeRayEnd {
         match end {
-            End::Crosses(..) => Status::Escaped,
-            End::Falls => Status::Captured,
+            OrbitEnd::Crosses(..) => FreeRayEnd::Escaped,
+            OrbitEnd::Falls => FreeRayEnd::Captured,
             // It is beyond the sphere, but comes back.
-            End::Misses if self.launch.fate == Fate::Falls => Status::Captured,
-            End::Misses => Status::Missed,
-            End::StepLimit => Status::StepLimit,
-            End::NonFinite => Status::NonFinite,
+            OrbitEnd::Misses if self.launch.fate == Fate::Falls => FreeRayEnd::Captured,
+            OrbitEnd::Misses => FreeRayEnd::Missed,
+            OrbitEnd::StepLimit => FreeRayEnd::StepLimit,
+            OrbitEnd::NonFinite => FreeRayEnd::NonFinite,
         }
     }
 
@@ -347,7 +347,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         let orbit = (R::of(launch.b), start, launch.fate);
         let journey = follow(*medium, stepper, &control, orbit, w_out, |_| {});
         let crossing = match &journey.end {
-            End::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
+            OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
             _ => None,
         };
         Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
@@ -371,7 +371,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             time += elapsed(*medium, stepper, step);
         });
         let crossing = match journey.end {
-            End::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
+            OrbitEnd::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
             _ => None,
         };
         let critical = medium.critical_impact_parameter();
@@ -449,7 +449,7 @@ fn straight(x: DVec3, ray: &FreeRay) -> Exit {
             drift_l: drift_l(b, spin(position, direction)),
         }
     });
-    let status = if crosses { Status::Escaped } else { Status::Missed };
+    let status = if crosses { FreeRayEnd::Escaped } else { FreeRayEnd::Missed };
     Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 }
 }
 
@@ -473,24 +473,24 @@ mod tests {
     fn the_status_tells_how_a_ray_meets_its_sphere() {
         let cases = [
             // Inside it, outside it, on it.
-            ([2.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
-            ([9.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Missed),
-            ([3.0, 4.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
+            ([2.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Escaped),
+            ([9.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Missed),
+            ([3.0, 4.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Escaped),
             // Past the hole: through the sphere, and beside it.
-            ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 5.0, Status::Escaped),
-            ([9.0, 0.0, 0.0], [-1.0, 2.0, 0.0], 5.0, Status::Missed),
-            ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0, Status::Captured),
+            ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 5.0, FreeRayEnd::Escaped),
+            ([9.0, 0.0, 0.0], [-1.0, 2.0, 0.0], 5.0, FreeRayEnd::Missed),
+            ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0, FreeRayEnd::Captured),
             // Within the photon sphere, turning back: before the sphere, beyond it, from beyond it.
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.9, Status::Captured),
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.501, Status::Escaped),
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, Status::Captured),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.9, FreeRayEnd::Captured),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.501, FreeRayEnd::Escaped),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, FreeRayEnd::Captured),
         ];
         for (start, direction, r_out, status) in cases {
             let found = exit(HOLE, ray(start, direction, r_out));
             assert_eq!(found.status, status, "{start:?} {direction:?} {r_out}: {found:?}");
-            assert_eq!(found.crossing.is_some(), status == Status::Escaped);
+            assert_eq!(found.crossing.is_some(), status == FreeRayEnd::Escaped);
             let expected =
-                if start[0] == 9.0 && direction[0] < 0.0 && status != Status::Captured { 1 } else { 0 };
+                if start[0] == 9.0 && direction[0] < 0.0 && status != FreeRayEnd::Captured { 1 } else { 0 };
             assert_eq!(usize::from(found.r_min.is_some()), expected, "{found:?}");
         }
     }

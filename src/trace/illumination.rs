@@ -6,7 +6,7 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
     EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
-    Straight, Target,
+    StraightAim, Target,
 };
 use crate::scene::{Baked, LightSampling};
 
@@ -54,7 +54,7 @@ impl Illumination {
         }
         let straight = settings.light_sampling == LightSampling::Straight;
         let sampler: Box<dyn LightSampler> =
-            if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
+            if straight { Box::new(StraightAim) } else { Box::new(transport.aim(settings.max_winding)?) };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);

@@ -49,7 +49,7 @@ use crate::spacetime::ConformallyFlat;
 /// let mut session = Session::resume(&scene, &run, &cancel, session.into_state()).expect("the same picture");
 /// while session.pass(8, |_| ()) {}
 /// assert_eq!(session.state().spp(), 8);
-/// assert_ne!(session.image().plane("R"), preview.plane("R"));
+/// assert_ne!(session.image().channel("R"), preview.channel("R"));
 /// # Ok::<(), warpfront::scene::SceneError>(())
 /// ```
 pub struct Session<'a> {

@@ -45,8 +45,8 @@ impl Frame {
     }
 
     fn image(&self) -> Image {
-        let ((width, height), planes, attributes) = (self.picture, Vec::new(), Vec::new());
-        Image { width, height, origin: self.origin, size: self.size, planes, attributes }
+        let ((width, height), channels, attributes) = (self.picture, Vec::new(), Vec::new());
+        Image { width, height, origin: self.origin, size: self.size, channels, attributes }
     }
 }
 

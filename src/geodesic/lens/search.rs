@@ -49,7 +49,7 @@ impl Lens {
         let guess =
             if swept < 0.9 * most { self.guess(near, far, swept, libm::tan(0.5 * swept)) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
-        root((0.0, most, guess), self.enough, &Beside { lens: self, near, far, swept })
+        root((0.0, most, guess), self.enough, &SameSideRays { lens: self, near, far, swept })
             .map(|track| oriented(track, reversed))
     }
 
@@ -127,14 +127,14 @@ impl Family for Across<'_> {
 }
 
 /// Rays between two places on one side of the photon sphere, by the angle that they sweep as straight lines.
-struct Beside<'a> {
+struct SameSideRays<'a> {
     lens: &'a Lens,
     near: &'a Site,
     far: &'a Site,
     swept: f64,
 }
 
-impl Family for Beside<'_> {
+impl Family for SameSideRays<'_> {
     #[inline(always)]
     fn at(&self, gamma: f64) -> Option<(Track, f64, f64)> {
         let track = self.lens.beside(self.near, self.far, gamma)?;

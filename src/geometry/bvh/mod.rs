@@ -23,8 +23,8 @@ use obvhs::{BvhBuildParams, fast_stack};
 use rayon::prelude::*;
 
 use self::collapse::Wide;
+use self::node::{BvhNode, LEAF, WIDTH};
 pub use self::node::{EMPTY, LEAF_SIZE};
-use self::node::{LEAF, Node, WIDTH};
 use self::thick_ray::ThickRay;
 use super::Chord;
 use crate::math::prefetch::prefetch;
@@ -42,7 +42,7 @@ pub trait Visitor {
 /// A hierarchy over boxes given by index.
 pub struct Bvh {
     /// None where there are few boxes.
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     order: Vec<u32>,
     len: usize,
     bounds: Aabb,
@@ -157,7 +157,7 @@ fn break_ties(boxes: &mut [Aabb]) {
 pub struct Walk<S> {
     ray: ThickRay,
     stack: S,
-    next: Entry,
+    next: StackEntry,
     /// True while there is more to visit.
     pub is_on: bool,
 }
@@ -166,7 +166,7 @@ impl<S: FastStack<u64>> Walk<S> {
     /// A walk that is over, with room for others.
     #[inline(always)]
     pub fn new(stack: S) -> Self {
-        Self { ray: ThickRay::default(), stack, next: Entry::ROOT, is_on: false }
+        Self { ray: ThickRay::default(), stack, next: StackEntry::ROOT, is_on: false }
     }
 
     /// Starts along `chord`.
@@ -178,7 +178,7 @@ impl<S: FastStack<u64>> Walk<S> {
             }
         } else if chord.end != chord.start {
             self.ray = ThickRay::new(chord);
-            (self.next, self.is_on) = (Entry::ROOT, true);
+            (self.next, self.is_on) = (StackEntry::ROOT, true);
         }
     }
 
@@ -203,9 +203,9 @@ impl<S: FastStack<u64>> Walk<S> {
             let node = &bvh.nodes[number as usize];
             let (mut met, enter) = self.ray.meets(node);
             if met != 0 {
-                let mut nearest = Entry::pull(&mut met, &enter, node);
+                let mut nearest = StackEntry::pull(&mut met, &enter, node);
                 while met != 0 {
-                    let other = Entry::pull(&mut met, &enter, node);
+                    let other = StackEntry::pull(&mut met, &enter, node);
                     self.stack.push(nearest.max(other).0);
                     nearest = nearest.min(other);
                 }
@@ -214,7 +214,7 @@ impl<S: FastStack<u64>> Walk<S> {
             }
         }
         while let Some(entry) = self.stack.pop() {
-            self.next = Entry(entry);
+            self.next = StackEntry(entry);
             if self.ray.reaches(self.next.part()) {
                 return;
             }
@@ -226,14 +226,14 @@ impl<S: FastStack<u64>> Walk<S> {
 /// A node or leaf to be visited, and the part of the chord at which it is entered: that above the number, so that entries
 /// compare by it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Entry(u64);
+struct StackEntry(u64);
 
-impl Entry {
-    const ROOT: Entry = Entry(0);
+impl StackEntry {
+    const ROOT: StackEntry = StackEntry(0);
 
     /// The next child of `node` that `met` names by bytes.
     #[inline(always)]
-    fn pull(met: &mut u64, enter: &[f32; WIDTH], node: &Node) -> Self {
+    fn pull(met: &mut u64, enter: &[f32; WIDTH], node: &BvhNode) -> Self {
         let child = met.trailing_zeros() / u8::BITS;
         *met &= *met - 1;
         // Parts are not negative: they are ordered as their bits are.

@@ -4,7 +4,7 @@ use glam::Vec3A;
 
 use super::super::Chord;
 use super::super::cull::{max, min};
-use super::node::{CELLS, Node, WIDTH};
+use super::node::{BvhNode, CELLS, WIDTH};
 
 /// Components of the chord below this, beside the largest, are taken for it: the reciprocal times any coordinate is finite.
 const SMALLEST_COMPONENT: f32 = 1e-18;
@@ -43,7 +43,7 @@ impl ThickRay {
 
     /// Which children of `node` the ray meets, one byte a child, and where it enters each.
     #[inline(always)]
-    pub fn meets(&self, node: &Node) -> (u64, [f32; WIDTH]) {
+    pub fn meets(&self, node: &BvhNode) -> (u64, [f32; WIDTH]) {
         // The node's grid is transformed, not each box.
         let scale = node.scale() * self.inverse;
         let offset = (node.origin() - self.start) * self.inverse;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Aim, Approach, Link};
 
 /// Straight rays.
-pub struct Straight;
+pub struct StraightAim;
 
 /// An end of a straight ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct StraightPlace {
     is_infinite: bool,
 }
 
-impl Aim for Straight {
+impl Aim for StraightAim {
     type Place = StraightPlace;
 
     fn place(&self, x: DVec3) -> StraightPlace {

@@ -19,7 +19,7 @@ mod tests;
 use glam::DVec3;
 
 pub use emission::Emission;
-use node::{LocalReceiver, Node, Subtree};
+use node::{LightTreeNode, LocalReceiver, Subtree};
 
 /// A binary tree of emitters.
 #[derive(Default)]
@@ -27,7 +27,7 @@ pub struct Tree {
     /// `None` if no emitter has power.
     root: Option<Subtree>,
     /// Everything but the root, which is never compared with anything. Siblings are neighbours: they are read together.
-    nodes: Vec<Node>,
+    nodes: Vec<LightTreeNode>,
     /// Of each emitter, the way from the root: the lowest bit is the first turn, 1 is right, and the highest bit set
     /// ends it. 0 for an emitter that is not in the tree.
     polylines: Vec<u64>,

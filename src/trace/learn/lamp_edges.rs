@@ -199,7 +199,7 @@ mod tests {
             return with_render_transport(scene, Whole(scene));
         }
         let image = render(scene, &Run::default(), &AtomicBool::new(false), &|_| ()).image;
-        image.plane("R").unwrap().iter().map(|&value| f64::from(value)).collect()
+        image.channel("R").unwrap().iter().map(|&value| f64::from(value)).collect()
     }
 
     /// Means over pictures with different seeds, and their variances.

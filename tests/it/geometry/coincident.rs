@@ -100,7 +100,7 @@ fn doubled_glass_looks_as_it_does_once() {
     let way = "[render]\nspp = 16\nmax_depth = 64\nlight_sampling = \"off\"\n[environment]\nkind = \"sky\"\n";
     let picture = |content: &str| {
         let scene = baked("", DVec3::new(9.0, 14.0, 25.0), way, content);
-        render(&scene, &Run::default()).image.plane("R").unwrap().to_vec()
+        render(&scene, &Run::default()).image.channel("R").unwrap().to_vec()
     };
     let cube = |file, material| mesh(file, DVec3::ZERO, material);
     let once = picture(&cube("cube.obj", "glass"));

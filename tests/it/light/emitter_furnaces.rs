@@ -112,7 +112,7 @@ fn furnace(
     let mut scene = scene_with(&text, &files.each_ref().map(|(name, file)| (*name, file.as_str())));
     (scene.settings.light_sampling, scene.settings.heuristic) = (way, heuristic);
     let rendered = render(&scene, &Run::default());
-    let (mean, red) = (mean_red(&rendered), rendered.image.plane("R").unwrap());
+    let (mean, red) = (mean_red(&rendered), rendered.image.channel("R").unwrap());
     let squares: f64 = red.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum();
     (0.5 * mean, 0.5 * squares.sqrt() / red.len() as f64)
 }

@@ -211,7 +211,7 @@ fn estimate(around: &str, render_settings: &str, files: &[(&str, &str)], sky: &E
     let mut scene = scene_with(&text, &[files, &[("patch.obj", patch.as_str())]].concat());
     scene.environment = sky.clone();
     let rendered = render(&scene, &Run::default());
-    let pixels = rendered.image.plane("R").unwrap().iter().map(|&value| f64::from(value));
+    let pixels = rendered.image.channel("R").unwrap().iter().map(|&value| f64::from(value));
     let (n, mean) = ((SIDE * SIDE) as f64, mean_red(&rendered));
     let square = pixels.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
     (mean, (square / n).sqrt())

@@ -6,7 +6,7 @@ use crate::support::lit::{TWISTS, room};
 use crate::support::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, Straight, Target};
+use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, StraightAim, Target};
 use warpfront::scene::Baked;
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
@@ -25,7 +25,7 @@ impl Lit {
         scene.settings.tolerance = 1e-9;
         let (sampler, floor): (Box<dyn LightSampler>, f64) = match scene.spacetime.medium() {
             Some((center, metric)) => (Box::new(Lensed::new(metric, center, max_winding).unwrap()), 0.1),
-            None => (Box::new(Straight), 0.0),
+            None => (Box::new(StraightAim), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);

@@ -46,7 +46,7 @@ fn single_samples(scene: &mut Baked, sampling: LightSampling, seed: u64) -> Imag
 
 fn brightest(scene: &mut Baked, sampling: LightSampling) -> f32 {
     let pictures = (0..4).map(|seed| single_samples(scene, sampling, seed));
-    pictures.flat_map(|image| image.plane("R").unwrap().to_vec()).fold(0.0, f32::max)
+    pictures.flat_map(|image| image.channel("R").unwrap().to_vec()).fold(0.0, f32::max)
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn quantiles(size: (usize, usize), counts: &[u32], reference: u32, share: f64, r
             let mut errors = Vec::new();
             for seed in 0..SEEDS {
                 let image = picture(&mut scene, Geodesic, spp, SEEDS * u64::from(spp) + seed);
-                let pairs = image.plane("R").unwrap().iter().zip(converged.plane("R").unwrap());
+                let pairs = image.channel("R").unwrap().iter().zip(converged.channel("R").unwrap());
                 errors.extend(pairs.map(|(a, b)| (a - b).abs() / (b + 1e-3)));
             }
             errors.sort_by(f32::total_cmp);

@@ -20,7 +20,7 @@ fn blocks(a: &Image, b: &Image) -> Verdict {
     let mut verdict = Verdict::default();
     for name in ["R", "G", "B"] {
         let planes = |image: &Image| {
-            [name.to_owned(), format!("variance.{name}")].map(|name| image.plane(&name).unwrap().to_vec())
+            [name.to_owned(), format!("variance.{name}")].map(|name| image.channel(&name).unwrap().to_vec())
         };
         let ([a, variance_a], [b, variance_b]) = (planes(a), planes(b));
         for (x0, y0) in

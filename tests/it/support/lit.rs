@@ -3,7 +3,7 @@
 use glam::DVec3;
 use warpfront::film::{Aov, Image};
 use warpfront::scene::{Baked, LightSampling, SamplerKind};
-use warpfront::study::compare::Pair;
+use warpfront::study::compare::PicturePair;
 use warpfront::trace::Run;
 
 use super::{Random, camera, film, hole, obj, scene_with, sphere, vector};
@@ -161,10 +161,10 @@ pub struct Agreement {
 impl Agreement {
     /// Of `a` with `b`.
     pub fn of(a: &Image, b: &Image) -> Self {
-        let noise = Pair::new(("a", a), ("b", b)).unwrap().compare().noise.expect("variances");
+        let noise = PicturePair::new(("a", a), ("b", b)).unwrap().compare().noise.expect("variances");
         assert_eq!(noise.non_finite, 0);
         let sum = |image: &Image, name: &str| -> f64 {
-            image.plane(name).expect(name).iter().map(|&v| f64::from(v)).sum()
+            image.channel(name).expect(name).iter().map(|&v| f64::from(v)).sum()
         };
         let variance = sum(a, "variance.G") + sum(b, "variance.G");
         let z = noise
@@ -196,5 +196,5 @@ impl Agreement {
 
 /// Sum of the variances of the green plane's pixels, for one sample each.
 pub fn variance(image: &Image, spp: u32) -> f64 {
-    image.plane("variance.G").expect("variance.G").iter().map(|&v| f64::from(v) * f64::from(spp)).sum()
+    image.channel("variance.G").expect("variance.G").iter().map(|&v| f64::from(v) * f64::from(spp)).sum()
 }
