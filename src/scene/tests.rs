@@ -1,11 +1,14 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
+use super::bare_model::bare_scene;
+use super::populate::AssetSource;
 use super::*;
 use crate::geometry::{Primitives, Sphere};
 use crate::light::Punctual;
 use crate::shade::{Dielectric, Diffuse, Environment, Lobe, Mirror};
+use crate::spacetime::SpacetimeKind;
 
 struct SceneFolder {
     folder: tempfile::TempDir,
