@@ -32,8 +32,8 @@
 //! assert_eq!((red[12 * 32 + 16], red[0]), (0.0, 1.0));
 //! ```
 //!
-//! Scenes from files come from [`scene::load`]; a render that stops and goes on is a [`trace::Session`], which also takes
-//! a spacetime of your own ([`trace::Session::around`]).
+//! Scenes from files come from [`scene::load`]; a render that stops and goes on is a [`trace::Session`], which also
+//! takes a spacetime of your own ([`trace::Session::around`]).
 //!
 //! # Conventions
 //!

@@ -50,7 +50,8 @@ use completion::Completion;
 use failure::Failure;
 use say::say;
 
-/// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad input.
+/// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad
+/// input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

@@ -85,7 +85,7 @@ const LABELS: [&str; 2] = ["id", "kind"];
 /// Columns that describe a ray.
 const RAY: [&str; 7] = ["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"];
 
-/// Which columns of a table are read, and where they are.
+/// Columns of a table that are read, and their places.
 pub(super) struct RayColumns {
     pub(super) header: TableHeader,
     pub(super) spacetime: Parameters,

@@ -52,7 +52,7 @@ pub(super) trait RowWise: Sync {
     fn lost(&self) -> usize;
 }
 
-/// Which files, and how they are worked on.
+/// Files, and how they are worked on.
 pub(super) struct Setup<'a> {
     /// The table.
     pub(super) input: &'a Path,
@@ -69,8 +69,8 @@ pub(super) struct Setup<'a> {
 }
 
 impl Setup<'_> {
-    /// Does the `job` for a table with such a header, and says at the end what was done and written where; nothing if the
-    /// reader of standard output has gone away, as `head` does, which is no failure.
+    /// Does the `job` for a table with such a header, and says at the end what was done and written where; nothing if
+    /// the reader of standard output has gone away, as `head` does, which is no failure.
     pub(super) fn run<J: RowWise>(
         &self,
         job: impl FnOnce(&TableHeader) -> Result<J, Failure>,

@@ -27,8 +27,8 @@ const PREAMBLE: u64 = 8;
 /// gives the same bytes.
 ///
 /// # Errors
-/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the channels do not fill the data window or a name does not fit
-/// the format.
+/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the channels do not fill the data window or a name does not
+/// fit the format.
 pub fn write_exr(image: &Image, mut out: impl Write + Seek) -> io::Result<()> {
     if !image.is_consistent() {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "the channels do not fill the data window"));

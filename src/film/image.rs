@@ -25,7 +25,8 @@ pub struct Image {
     pub size: (usize, usize),
     /// `R`, `G`, `B`, `A`, then what was asked for.
     pub channels: Vec<Channel>,
-    /// Header attributes as name and text: samples per pixel, seed, entity names (`entity.N`, N as in the entity channel).
+    /// Header attributes as name and text: samples per pixel, seed, entity names (`entity.N`, N as in the entity
+    /// channel).
     pub attributes: Vec<(String, String)>,
 }
 

@@ -9,10 +9,11 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 use super::image::{BEAUTY, Image};
 use super::tone::to_srgb8;
 
-/// Writes the data window of `image` as 8-bit sRGB, made brighter by `exposure` stops and tone mapped; with alpha if the
-/// background is `transparent`, else opaque.
+/// Writes the data window of `image` as 8-bit sRGB, made brighter by `exposure` stops and tone mapped; with alpha if
+/// the background is `transparent`, else opaque.
 ///
-/// Colours are premultiplied, so that leaving alpha out shows them over black. A PNG with alpha holds them divided by it.
+/// Colours are premultiplied, so that leaving alpha out shows them over black. A PNG with alpha holds them divided by
+/// it.
 ///
 /// # Errors
 /// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.

@@ -32,9 +32,9 @@ pub fn read_exr(path: &Path) -> Result<Image, ReadError> {
 
 /// Reads the EXR at `path`, all channels widened to f32, colours in linear Rec. 709.
 ///
-/// The colours are called R, G and B whatever the layer that they are in; the other channels of that layer lose its name
-/// too. Of a file of several parts, those count that have the same pixels as the colours. Planes come in the order in
-/// which a render makes them, whatever the order in the file; unknown channels come last. Attributes are those that
+/// The colours are called R, G and B whatever the layer that they are in; the other channels of that layer lose its
+/// name too. Of a file of several parts, those count that have the same pixels as the colours. Planes come in the order
+/// in which a render makes them, whatever the order in the file; unknown channels come last. Attributes are those that
 /// [`super::write_exr`] wrote, sorted by name.
 ///
 /// # Errors

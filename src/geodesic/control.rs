@@ -40,13 +40,14 @@ const GROWTH: (f32, f32) = (0.2, 4.0);
 const HALVED: f32 = 0.5;
 /// Aims a little below the tolerance, so that most steps are accepted.
 const SAFETY: f32 = 0.85;
-/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that every
-/// step is given whatever it sweeps.
+/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that
+/// every step is given whatever it sweeps.
 const SWEEP: f64 = 3.5;
 /// Angle that a step's share of the tolerance is counted for at least, radians: nearly radial rays sweep next to
 /// nothing.
 const LEAST_SWEEP: f64 = 0.02;
-/// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the chart.
+/// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the
+/// chart.
 const LARGEST_STRAIN: f64 = 0.02;
 /// Largest error of a step along its orbit, radians: close to the circular ray a larger one could hold the ray there.
 const LARGEST_SLIP: f64 = 0.02;

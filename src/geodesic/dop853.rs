@@ -11,8 +11,8 @@ use crate::math::real::Real;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Dop853;
 
-/// The estimate is that of order 5. Its quotient with one of order 3, \[H, (10.17)\], is closer in most steps but vanishes
-/// as a square where this one is small by chance: in lenses, errors were hundreds of times the tolerance.
+/// The estimate is that of order 5. Its quotient with one of order 3, \[H, (10.17)\], is closer in most steps but
+/// vanishes as a square where this one is small by chance: in lenses, errors were hundreds of times the tolerance.
 pub(super) const TABLEAU: RungeKutta<13> = RungeKutta {
     c: [
         0.0,

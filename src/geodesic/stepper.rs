@@ -82,7 +82,7 @@ pub(super) fn sum<R: Real, const N: usize, const S: usize>(
     values: &[[R; N]; S],
     count: usize,
 ) -> [R; N] {
-    // What is added to −0 stays what it is: no operation.
+    // Adding to −0 changes nothing: no operation.
     let mut sum = [R::of(-0.0); N];
     for j in 0..count {
         if weights[j] != 0.0 {
@@ -113,8 +113,8 @@ pub(super) fn added<R: Real, const N: usize>(mut a: [R; N], b: [R; N]) -> [R; N]
 }
 
 impl<const S: usize> RungeKutta<S> {
-    /// One step of y′ = `slope`(ξ, y), given y and y′ at its start: change of y, and its estimated error. The `D` vectors
-    /// of y are a position and its derivatives, or whatever else a system of first order is made of.
+    /// One step of y′ = `slope`(ξ, y), given y and y′ at its start: change of y, and its estimated error. The `D`
+    /// vectors of y are a position and its derivatives, or whatever else a system of first order is made of.
     #[inline(always)]
     pub(super) fn advance<R: Real, const N: usize, const D: usize>(
         &self,

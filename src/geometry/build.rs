@@ -71,8 +71,8 @@ impl Geometry {
         geometry
     }
 
-    /// Builds the top hierarchy over all members, and puts the triangles in its leaf order. They are placed twice, for their
-    /// boxes and in order: to keep them in between would take more memory than anything else.
+    /// Builds the top hierarchy over all members, and puts the triangles in its leaf order. They are placed twice, for
+    /// their boxes and in order: to keep them in between would take more memory than anything else.
     fn build_top(&mut self, triangles: usize, placings: &[Placing]) {
         let (others, count) = (self.others.len(), self.others.len() + triangles);
         let triangle = |number: usize| {

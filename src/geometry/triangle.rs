@@ -128,8 +128,8 @@ pub fn cross_arc(arc: &Arc, triangle: &Triangle, starts_on: bool) -> f64 {
     }
 }
 
-/// The places where the quadratic with Bernstein coefficients `start`, `middle`, `end` is 0, in order; infinite for those
-/// that there are not.
+/// The places where the quadratic with Bernstein coefficients `start`, `middle`, `end` is 0, in order; infinite for
+/// those that there are not.
 ///
 /// `leaves`: the root at 0 (where `start` vanishes) does not count.
 #[inline(always)]

@@ -137,8 +137,8 @@ impl Emitter {
         if receiver.normal.dot(from) > 0.0 { Standpoint::Upon } else { Standpoint::Inside }
     }
 
-    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
-    /// and of a sphere from the side on which the place is.
+    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that
+    /// emit, and of a sphere from the side on which the place is.
     pub fn is_lit_by(&self, cos: f64, standpoint: Standpoint) -> bool {
         let is_front = match self.sphere() {
             Some(_) => standpoint != Standpoint::Inside,
@@ -245,8 +245,8 @@ impl SphereCap {
     }
 }
 
-/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any point
-/// where any may be seen, and now and then where the view is a guess.
+/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any
+/// point where any may be seen, and now and then where the view is a guess.
 fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
     let Some(cone) = SphereCap::of(sphere, view) else { return around(DVec3::Z, 2.0 * u, v) };
     if u < cone.even {

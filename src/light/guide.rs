@@ -1,10 +1,10 @@
 //! Guide: directions of light through mirrors and glass, learned from photons.
 //!
-//! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands after
-//! mirrors and glass, light from there came back the same way. Photons that came the same way to the same neighbourhood
-//! are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen from these lobes
-//! has a density known in closed form, so that light found with it can be shared with light found by BSDF sampling,
-//! however well or badly the lobes fit.
+//! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands
+//! after mirrors and glass, light from there came back the same way. Photons that came the same way to the same
+//! neighbourhood are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen
+//! from these lobes has a density known in closed form, so that light found with it can be shared with light found by
+//! BSDF sampling, however well or badly the lobes fit.
 //!
 //! Reference for guiding by photons: Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
 

@@ -19,13 +19,14 @@ use super::sample::{EmitterHit, Incoming, LightSample, Target};
 use super::sky::Sky;
 use crate::geometry::PrimitiveId;
 
-/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be generic
-/// over aims.
+/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
+/// generic over aims.
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
 
-    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an emitter.
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an
+    /// emitter.
     fn surface_density(
         &self,
         lights: &Lights,
@@ -34,8 +35,8 @@ pub trait LightSampler: Send + Sync {
         hit: &EmitterHit,
     ) -> f64;
 
-    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity in
-    /// the direction `at_infinity`.
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity
+    /// in the direction `at_infinity`.
     fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64;
 
     /// True if a light ray that lands at `position` on `primitive` has reached its target.

@@ -23,7 +23,8 @@ const TRIANGLE_BYTES: u64 = 160;
 pub struct LoadOptions {
     /// Overrides `path.to.key=value`, as after `--set`; array entries go by index or by name.
     pub overrides: Vec<String>,
-    /// A black hole instead of the scene's spacetime: X, Y, Z of its center and its Schwarzschild radius, in scene units.
+    /// A black hole instead of the scene's spacetime: X, Y, Z of its center and its Schwarzschild radius, in scene
+    /// units.
     pub black_hole: Option<[f64; 4]>,
     /// Light from infinity instead of the scene's.
     pub environment: Option<Surroundings>,

@@ -58,8 +58,8 @@ impl InterfaceCrossing {
         Self { from: None, into: media }
     }
 
-    /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may leave at
-    /// once: a sheet without thickness.
+    /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may
+    /// leave at once: a sheet without thickness.
     pub fn of(media: Media, faces: impl Iterator<Item = (u32, bool)> + Clone) -> Self {
         let entered = faces.clone().filter(|(_, enters)| *enters);
         let into = entered.fold(media, |into, (material, _)| into.entering(material));

@@ -68,8 +68,8 @@ pub struct CameraRays {
 }
 
 impl CameraRays {
-    /// A study of `settings` on `scene`, in the size that its settings say, whose path-traced pictures have `spp` samples per
-    /// pixel; 0 `threads` means one per core.
+    /// A study of `settings` on `scene`, in the size that its settings say, whose path-traced pictures have `spp`
+    /// samples per pixel; 0 `threads` means one per core.
     pub fn new(mut scene: Baked, settings: Vec<Way>, spp: u32, threads: usize) -> Self {
         let base = Settings { filter: Filter::Box, ..scene.settings.clone() };
         scene.settings = Settings {

@@ -13,7 +13,7 @@ use crate::scene::Baked;
 use crate::spacetime::{ConformallyFlat, Metric};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
-/// Which rays.
+/// Rays of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanOptions {
     /// Number of rays, at least 1.
@@ -130,7 +130,7 @@ impl Fan {
     /// Writes the rays as rows of ray, point, world position and fate.
     ///
     /// # Errors
-    /// What `out` reports.
+    /// Errors of `out`.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let reach = self.frame().reach();
         let mut rows = Vec::new();
@@ -144,7 +144,8 @@ impl Fan {
         Table::of(rows).write_csv(out)
     }
 
-    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
+    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the
+    /// picture.
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
         if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {
@@ -269,8 +270,8 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative to
-/// the hole.
+/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative
+/// to the hole.
 fn way_out(medium: &Metric, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
     let launch = Launch::new(medium, start, heading, f64::EPSILON);
     let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);

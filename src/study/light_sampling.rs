@@ -77,7 +77,7 @@ struct Gain {
 /// A way with all its numbers of samples.
 #[derive(Clone, Debug, PartialEq)]
 struct Technique {
-    /// Which one.
+    /// Light sampling.
     way: LightSampling,
     /// By samples per pixel, as in the plan.
     measurements: Vec<LightSamplingMeasurement>,
@@ -107,8 +107,8 @@ pub struct LightStudy<'a> {
 }
 
 impl<'a> LightStudy<'a> {
-    /// A study of `scene`, in the size that its settings say; renders the reference if none is given. `progress` is told from
-    /// worker threads how many of how many camera paths are done.
+    /// A study of `scene`, in the size that its settings say; renders the reference if none is given. `progress` is
+    /// told from worker threads how many of how many camera paths are done.
     pub fn new(
         scene: Baked,
         plan: Plan,

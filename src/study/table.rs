@@ -83,7 +83,7 @@ impl Table {
     /// Writes the table as CSV.
     ///
     /// # Errors
-    /// What `out` reports.
+    /// Errors of `out`.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(out);
         self.lines().try_for_each(|line| writer.write_record(line)).map_err(io_error)?;

@@ -1,5 +1,5 @@
-//! The trade of speed for accuracy where nothing is in the way of rays: errors and costs of ways to follow them, against
-//! where they end exactly.
+//! The trade of speed for accuracy where nothing is in the way of rays: errors and costs of ways to follow them,
+//! against where they end exactly.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -96,7 +96,7 @@ struct TableRayMeasurement {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("ray {index}: {fault}")]
 pub struct TableRayError {
-    /// Which one.
+    /// Its number.
     pub index: usize,
     /// Fault of the ray.
     pub fault: InputError,
@@ -298,7 +298,8 @@ impl TradeOff for TableRayMeasurement {
             .cell("steps_per_ray", self.steps_per_ray)
     }
 
-    /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the tolerance.
+    /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the
+    /// tolerance.
     fn figure(all: &[Self]) -> Figure {
         let at = |place: &dyn Fn(&Self) -> [f64; 2]| -> Vec<(Way, [f64; 2])> {
             all.iter().map(|m| (m.way(), place(m))).collect()

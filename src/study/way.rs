@@ -46,8 +46,8 @@ impl From<Accuracy> for Way {
 }
 
 impl Way {
-    /// All combinations, but only tolerances that a precision has, and for the paper's stepper, which knows neither, one
-    /// setting per schedule.
+    /// All combinations, but only tolerances that a precision has, and for the paper's stepper, which knows neither,
+    /// one setting per schedule.
     pub fn grid(
         steppers: &[StepperKind],
         precisions: &[Precision],

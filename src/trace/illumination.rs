@@ -100,8 +100,8 @@ impl Illumination {
         Some(LightSample { direction, target, light })
     }
 
-    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
-    /// normal there), or at infinity in the unit `direction` of travel.
+    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with
+    /// the normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
         let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);

@@ -1,7 +1,7 @@
 //! Landings on the ray itself: from where a move's segment meets a surface to where the ray arrives there.
 //!
-//! A transport whose segments only come near its rays repeats the step in part, until Newton's method has found the part
-//! that ends on the surface.
+//! A transport whose segments only come near its rays repeats the step in part, until Newton's method has found the
+//! part that ends on the surface.
 
 use glam::DVec3;
 

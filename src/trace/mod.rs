@@ -1,8 +1,8 @@
 //! From baked tables to a picture.
 //!
-//! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling, cuts
-//! the picture into tiles and the samples into passes, and has worker threads run the [`stages`] over them; [`render`] is
-//! a loop around it.
+//! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling,
+//! cuts the picture into tiles and the samples into passes, and has worker threads run the [`stages`] over them;
+//! [`render`] is a loop around it.
 //!
 #![doc = include_str!("wavefront.md")]
 

@@ -73,7 +73,8 @@ pub struct Reading {
     pub edges: f64,
 }
 
-/// Looks for about `limit` at what rendering `scene` by `run` costs; there may be no readings if its paths take too long.
+/// Looks for about `limit` at what rendering `scene` by `run` costs; there may be no readings if its paths take too
+/// long.
 pub fn probe(scene: &Baked, run: &Run, limit: Duration) -> Probe {
     with_render_transport(scene, Prober { scene, run, limit })
 }
@@ -158,8 +159,8 @@ struct Turns<'a, T: Transport> {
 }
 
 impl<T: Transport> Turns<'_, T> {
-    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule; `None` if it
-    /// had to give up.
+    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule; `None` if
+    /// it had to give up.
     fn take(&self, turn: usize, paths: [f64; 2]) -> Option<Reading> {
         let Self { window, samples, wanted, .. } = *self;
         let lattices = paths.map(|paths| window.lattice(samples, paths));

@@ -109,7 +109,8 @@ pub fn cover(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Ve
     tiles
 }
 
-/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`. Tiles go as the planes fill.
+/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`. Tiles go as the planes
+/// fill.
 pub fn assemble<T: Borrow<Tile>>(tiles: impl Iterator<Item = T>, aovs: &[Aov], image: &mut Image) {
     let (width, height) = image.size;
     let names = BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));

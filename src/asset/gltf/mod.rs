@@ -35,9 +35,9 @@ const MOST_PER_BYTE: usize = 64;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and instancing
-/// are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node without
-/// anything that is named `BlackHole` places a black hole.
+/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and
+/// instancing are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node
+/// without anything that is named `BlackHole` places a black hole.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,

@@ -86,7 +86,8 @@ impl pulp::NullaryFnOnce for Tracking<'_> {
 
 /// The rays between two places, by one number.
 trait Family {
-    /// The ray at a place, how far that is beyond the wanted one by Newton's method, and how much too far the ray sweeps.
+    /// The ray at a place, how far that is beyond the wanted one by Newton's method, and how much too far the ray
+    /// sweeps.
     fn at(&self, place: f64) -> Option<(Track, f64, f64)>;
 
     /// The wanted ray at a place, given how the swept angle grows there; `None` if only an integral tells.
@@ -186,8 +187,8 @@ fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Fa
         let is_inside = next > low && next < high;
         let slope = track.rate / track.distance;
         if let (Some((place, earlier)), true) = (before, is_inside) {
-            // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's beyond
-            // the straight line through both.
+            // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's
+            // beyond the straight line through both.
             let change = (slope - earlier) / (at - place);
             let bend = (change / slope).abs();
             let left = (bend * shift).abs() * ((next - place) * bend).abs().max((shift / at).abs());

@@ -2,8 +2,8 @@
 //!
 //! The walk differs from obvhs's own in what curved rays need: a segment is searched along its chord as a *thick* ray,
 //! every box widened by that segment's own bow. (Inflating the boxes at build time by the largest sagitta allowed makes
-//! straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened by its
-//! own rounding, so that the walk is conservative: what is hit in f64 is never culled.
+//! straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened by
+//! its own rounding, so that the walk is conservative: what is hit in f64 is never culled.
 //!
 //! And in what wide vectors want: a leaf is a block of primitives that are tested side by side, children are visited by
 //! distance, and what lies beyond the nearest hit is dropped when its turn comes. Measured against obvhs's own
@@ -29,8 +29,8 @@ use self::thick_ray::ThickRay;
 use super::Chord;
 use crate::math::prefetch::prefetch;
 
-/// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets the wide
-/// vectors.)
+/// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets
+/// the wide vectors.)
 pub trait Visitor {
     /// Looks at a leaf: the part of the chord at which the search may end.
     fn leaf(&mut self, number: usize) -> f64;
@@ -122,8 +122,8 @@ impl Bvh {
         size_of_val(&self.nodes[..]) + size_of_val(&self.order[..])
     }
 
-    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets, roughly front to back; where there are few
-    /// boxes, all.
+    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets, roughly front to back; where there
+    /// are few boxes, all.
     #[inline(always)]
     pub fn walk(&self, chord: &Chord, visitor: &mut impl Visitor) {
         fast_stack!(u64, (64, 256), self.pending, stack, {
@@ -138,8 +138,8 @@ impl Bvh {
 
 /// Widens boxes by different parts of themselves, while they are joined to a tree.
 ///
-/// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips and
-/// fans of faces) each has the same favourite, and it would join one pair a round.
+/// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips
+/// and fans of faces) each has the same favourite, and it would join one pair a round.
 fn break_ties(boxes: &mut [Aabb]) {
     /// Part of its size that a box grows by at most, and of its coordinates, as far as they resolve.
     const MOST: f32 = 1e-3;
@@ -223,8 +223,8 @@ impl<S: FastStack<u64>> Walk<S> {
     }
 }
 
-/// A node or leaf to be visited, and the part of the chord at which it is entered: that above the number, so that entries
-/// compare by it.
+/// A node or leaf to be visited, and the part of the chord at which it is entered: that above the number, so that
+/// entries compare by it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct StackEntry(u64);
 

@@ -36,8 +36,8 @@ pub struct BvhNode {
 }
 
 impl BvhNode {
-    /// A node over boxes: those of `inner` children, which are numbered from `first_inner` on, then those of leaves, which
-    /// are numbered from `first_leaf` on.
+    /// A node over boxes: those of `inner` children, which are numbered from `first_inner` on, then those of leaves,
+    /// which are numbered from `first_leaf` on.
     pub fn new(boxes: &[Aabb], inner: usize, first_inner: u32, first_leaf: u32) -> Self {
         let all = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
         let mut node = Self {

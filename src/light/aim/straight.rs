@@ -56,7 +56,7 @@ impl Aim for StraightAim {
     }
 
     fn is_reached(&self, _: DVec3, _: DVec3) -> bool {
-        // What a straight ray meets twice it leaves on the side that is not lit.
+        // A surface that a straight ray meets twice it leaves on the side that is not lit.
         true
     }
 

@@ -20,7 +20,8 @@ const MANY: usize = 4096;
 const SAMPLE: usize = 64;
 
 impl Tree {
-    /// Builds the tree over so many emitters, in the order in which `sample` and `probability` number them, on all threads.
+    /// Builds the tree over so many emitters, in the order in which `sample` and `probability` number them, on all
+    /// threads.
     ///
     /// `emission` tells of each; it is asked again and again, as a list of the answers would be larger than the tree.
     /// `floor` in [0, 1]: least orientation factor, relative to head-on. 0 in flat space, where an emitter that faces
@@ -95,8 +96,8 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
         Cluster { min, max, power: power / self.brightest, cone: Cone::new(&emission) }
     }
 
-    /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first its
-    /// two children, then what is below each.
+    /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first
+    /// its two children, then what is below each.
     fn grow(
         &self,
         origin_prim: &mut [Leaf],

@@ -38,7 +38,8 @@ pub struct Tree {
 
 impl Tree {
     /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no
-    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
+    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for
+    /// reuse.
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.

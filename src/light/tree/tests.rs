@@ -144,7 +144,7 @@ fn with_a_floor_or_emitters_that_shine_everywhere_probabilities_sum_to_1() {
     let sparks: Vec<Emission> = (0..500).map(|i| spark(random.point(), f64::from(i))).collect();
     for tree in [build(&triangles, 0.1), build(&sparks, 0.0)] {
         for _ in 0..200 {
-            // What lies behind a surface lights it only where there is a floor.
+            // Emitters behind a surface light it only where there is a floor.
             let (x, any) = (1.5 * random.point(), random.normal());
             let normal = any.filter(|_| tree.floor > 0.0);
             let sum: f64 = probabilities(&tree, x, normal).iter().sum();

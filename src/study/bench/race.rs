@@ -1,5 +1,5 @@
-//! Races: every contender renders every point once to warm up, which is not counted, and there its picture is compared; then
-//! once in every round. Ratios are taken within rounds.
+//! Races: every contender renders every point once to warm up, which is not counted, and there its picture is compared;
+//! then once in every round. Ratios are taken within rounds.
 
 use super::contender::Contender;
 use super::point::Point;

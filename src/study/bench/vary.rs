@@ -61,8 +61,8 @@ impl Vary {
         }
     }
 
-    /// The scenes that it takes to measure `values`, or else values that suit `scene`, and the points, which but for the
-    /// value are like `base`.
+    /// The scenes that it takes to measure `values`, or else values that suit `scene`, and the points, which but for
+    /// the value are like `base`.
     ///
     /// # Errors
     /// If there is nothing to vary in the scene, or a value is not one that it can have.

@@ -92,7 +92,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
         let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
-        // What no search follows need not be followed closely.
+        // Steps that no search follows need not be followed closely.
         let arc_error =
             if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
         let StepVerdict { accepted, next_h, error } =

@@ -28,7 +28,8 @@ pub fn count(settings: &Settings) -> u32 {
     (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
 }
 
-/// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt is due.
+/// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt
+/// is due.
 pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, count: u32) {
     if illumination.heuristic.is_some() {
         illumination.guide = guide(job, transport, &illumination.lights, count);

@@ -51,7 +51,8 @@ impl LightSource {
     }
 }
 
-/// Adds light from `source` to `path`: `radiance`, as it arrives at the camera, is computed only if this path gathers it.
+/// Adds light from `source` to `path`: `radiance`, as it arrives at the camera, is computed only if this path gathers
+/// it.
 #[inline(always)]
 pub fn deposit(path: &mut Path, source: LightSource, radiance: impl FnOnce() -> Vec3) {
     if source.is_for(path.gathers) {

@@ -9,8 +9,8 @@ use super::deposit::{EmitterId, LightSource, deposit};
 use super::light::share;
 use crate::scene::Background;
 
-/// Adds what a path sees in the unit `direction` at infinity, less what light sampling finds; a camera ray sees nothing of
-/// a transparent background.
+/// Adds what a path sees in the unit `direction` at infinity, less what light sampling finds; a camera ray sees nothing
+/// of a transparent background.
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
     let source = LightSource { emitter: EmitterId::Infinity, segments: path.depth };

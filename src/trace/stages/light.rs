@@ -136,7 +136,7 @@ pub fn conclude<Flight>(
         Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
         Outcome::Escaped(direction) if after_specular => LightRayProgress::Escaped(direction),
         Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
-        // What a ray that leaves was aimed at without passing it lies beyond all geometry.
+        // A target that a leaving ray was aimed at and did not pass lies beyond all geometry.
         Outcome::Escaped(_) => {
             LightRayProgress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_)))
         }
@@ -144,8 +144,8 @@ pub fn conclude<Flight>(
     }
 }
 
-/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in which
-/// it goes on, or `None` if it ends.
+/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in
+/// which it goes on, or `None` if it ends.
 #[inline]
 pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;

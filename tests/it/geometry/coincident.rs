@@ -141,8 +141,8 @@ fn doubles_are_said() {
 
 #[test]
 fn a_camera_in_glass_in_ice_knows_where_it_is() {
-    // What is seen of the sky is what it is with the camera outside: here, from inside, through both at right angles, all of it
-    // but what is reflected.
+    // What is seen of the sky is what it is with the camera outside: here, from inside, through both at right angles,
+    // all of it but what is reflected.
     let way = "[render]\nspp = 1024\nmax_depth = 64\nroulette_depth = 64\nlight_sampling = \"off\"\n[environment]\ncolor = [1, 1, 1]\n";
     let ball = |radius, material| sphere(DVec3::ZERO, radius, material);
     let shell = |around: &str| {

@@ -1,5 +1,5 @@
-//! Whatever is sampled has the density that is said of it: lobes, emitters, skies, the choice of lights, learnt directions,
-//! filters of pixels.
+//! Whatever is sampled has the density that is said of it: lobes, emitters, skies, the choice of lights, learnt
+//! directions, filters of pixels.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
-//! Edges of lamps as the camera sees them; that they are smooth from few samples, and right in the mean, is tested beside
-//! the code.
+//! Edges of lamps as the camera sees them; that they are smooth from few samples, and right in the mean, is tested
+//! beside the code.
 
 use crate::support::{camera, film, material, render, scene, sphere};
 use glam::DVec3;

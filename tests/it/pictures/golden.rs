@@ -1,4 +1,5 @@
-//! Pictures of curved scenes are those of `tests/data/golden`, but for noise: references that no light sampling has made.
+//! Pictures of curved scenes are those of `tests/data/golden`, but for noise: references that no light sampling has
+//! made.
 //!
 //! `tests/data/CREDITS.md` says how they are made again.
 

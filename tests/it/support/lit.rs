@@ -51,8 +51,8 @@ pub fn disk(center: DVec3, normal: DVec3, inner: f64, outer: f64, material: &str
     )
 }
 
-/// A closed room, or one without a ceiling, about 24 wide, with a hole, lights, and other things at random places; `size` is a
-/// factor on the lights, which are large enough for rays that nothing aims to find them.
+/// A closed room, or one without a ceiling, about 24 wide, with a hole, lights, and other things at random places;
+/// `size` is a factor on the lights, which are large enough for rays that nothing aims to find them.
 pub fn room(random: &mut Random, twist: Twist, size: f64) -> Baked {
     let r_s = if twist == Twist::Flat { 0.0 } else { random.log_between(0.3, 8.0).max(0.8) };
     let center = 4.0 * random.in_cube();
@@ -180,7 +180,8 @@ impl Agreement {
         }
     }
 
-    /// Complains about what chance does not explain: three colours and nine blocks are many tests, and so are all scenes.
+    /// Complains about what chance does not explain: three colours and nine blocks are many tests, and so are all
+    /// scenes.
     pub fn check(&self, what: &str) {
         println!(
             "{what}: z of the mean {:+.2} at {:.2} %, largest of blocks {:+.2}, probability {:.3}",

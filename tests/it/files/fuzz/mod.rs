@@ -5,9 +5,9 @@
 //! WARPFRONT_FUZZ_SEED=1234 cargo test --release --test it damaged_files -- --ignored --nocapture
 //! ```
 //!
-//! The first tries damaged files for that long (default 60), from number WARPFRONT_FUZZ_FROM on; the second makes one of
-//! them again, leaves its files in `target/tmp/fuzz` and tells how it ends. Files are tried in a process of its own, of
-//! which a crash or a hang takes nothing but that one file with it.
+//! The first tries damaged files for that long (default 60), from number WARPFRONT_FUZZ_FROM on; the second makes one
+//! of them again, leaves its files in `target/tmp/fuzz` and tells how it ends. Files are tried in a process of its own,
+//! of which a crash or a hang takes nothing but that one file with it.
 
 mod corpus;
 mod mutate;
