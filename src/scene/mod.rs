@@ -1,6 +1,6 @@
 //! The scene: as authored (an ECS world), and as baked (flat tables).
 //!
-//! Text → `file` tables → `populate` → `World` of [`components`] → `systems` → `bake` → [`Baked`]. A glTF
+//! Text → `file` tables → `populate` → `World` of `components` → `systems` → `bake` → [`Baked`]. A glTF
 //! or OBJ file by itself is a scene file with one entity.
 //!
 #![doc = include_str!("keys.md")]
@@ -11,7 +11,7 @@ mod baked;
 mod bare_model;
 mod camera;
 mod check;
-pub mod components;
+pub(crate) mod components;
 mod error;
 mod file;
 mod foreign;

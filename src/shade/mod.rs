@@ -9,7 +9,8 @@ mod sampler;
 mod scatter;
 mod sobol;
 
-pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel, sample_cosine};
+pub(crate) use bsdf::sample_cosine;
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence};
 pub use material::Material;

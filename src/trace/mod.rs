@@ -1,7 +1,7 @@
 //! From baked tables to a picture.
 //!
 //! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling,
-//! cuts the picture into tiles and the samples into passes, and has worker threads run the [`stages`] over them;
+//! cuts the picture into tiles and the samples into passes, and has worker threads run the `stages` over them;
 //! [`render`] is a loop around it.
 //!
 #![doc = include_str!("wavefront.md")]
@@ -28,10 +28,10 @@ mod samples;
 mod session;
 mod shoot;
 mod split;
-pub mod stages;
+pub(crate) mod stages;
 mod state;
 mod stats;
-pub mod steppers;
+pub(crate) mod steppers;
 mod straight;
 mod surroundings;
 mod tile;
