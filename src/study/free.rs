@@ -203,7 +203,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {
-        Err(Fault {
+        Err(InputError {
             input: Input::Stepper,
             cause: "rays around a spinning hole run in renders only".to_owned(),
             remedy: "give another --spacetime".to_owned(),
