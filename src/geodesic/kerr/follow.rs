@@ -98,7 +98,7 @@ pub fn follow_by<const P: usize>(
         let leaves = !falls && step.end.u <= u_out && step.strain.is_finite();
         if !leaves && !step.is_accepted(hole, &constants, &state) {
             longest = 0.5 * h;
-            if !(longest > f64::MIN_POSITIVE) || !state.u.is_finite() {
+            if longest <= f64::MIN_POSITIVE || longest.is_nan() || !state.u.is_finite() {
                 return end(KerrEnd::NonFinite, journey);
             }
             continue;

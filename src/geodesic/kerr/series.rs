@@ -43,7 +43,7 @@ fn square<const P: usize>(a: &[f64; P], n: usize) -> f64 {
         sum += a[i] * a[n - i];
     }
     sum += sum;
-    if n % 2 == 0 { sum + a[n / 2] * a[n / 2] } else { sum }
+    if n.is_multiple_of(2) { sum + a[n / 2] * a[n / 2] } else { sum }
 }
 
 /// The whole series while it is made.
@@ -136,8 +136,13 @@ impl<const P: usize> Series<P> {
         for (axis, (n, m)) in n.to_array().into_iter().zip(m.to_array()).enumerate() {
             (firsts[axis][0], firsts[axis][1]) = (n, m);
         }
-        let kept =
-            Self { start: *start, omega: omega2.max(0.0).sqrt(), u: [0.0; P], n: [[0.0; P]; 3], winding: [0.0; P] };
+        let kept = Self {
+            start: *start,
+            omega: omega2.max(0.0).sqrt(),
+            u: [0.0; P],
+            n: [[0.0; P]; 3],
+            winding: [0.0; P],
+        };
         let mut whole = Coefficients {
             u: first,
             n: firsts,

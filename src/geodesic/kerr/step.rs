@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::hole::{UnitHole, about_axis};
 use super::launch::Constants;
-use super::series::{SeriesPoint, Series};
+use super::series::{Series, SeriesPoint};
 use super::state::MinoState;
 use crate::math::{fast_log2, sin_cos_turns};
 
@@ -133,6 +133,10 @@ impl SeriesStep {
         // Without a barrier no ray turns; outside one it turns outwards only, inside inwards.
         let turns_well = (barrier < f64::INFINITY) & (falls == outside);
         let keeps_branch = (outside == (end.u < barrier)) & ((falls == falls_then) | turns_well);
-        (self.strain < LARGEST_STRAIN) & (self.slip < LARGEST_SLIP) & (end.u < BEYOND * hole.horizon) & (end.u > 0.0) & keeps_branch
+        (self.strain < LARGEST_STRAIN)
+            & (self.slip < LARGEST_SLIP)
+            & (end.u < BEYOND * hole.horizon)
+            & (end.u > 0.0)
+            & keeps_branch
     }
 }
