@@ -1,4 +1,4 @@
-//! Who races.
+//! Contenders of a race.
 
 use super::point::Point;
 use crate::scene::{Baked, Schedule, Settings, StepperKind, flag_name};
