@@ -10,6 +10,7 @@ use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::placement::Placement;
 use super::reissner_nordstrom::ReissnerNordstrom;
+use super::rest_frame::RestFrame;
 use super::schwarzschild::Schwarzschild;
 use crate::math::real::Real;
 
@@ -278,6 +279,14 @@ impl SpacetimeKind {
             Self::Flat => 0.0,
             Self::Spherical { metric, .. } => metric.critical_impact_parameter(),
             Self::Spinning { hole, .. } => hole.shadow(),
+        }
+    }
+
+    /// Frames of things at rest.
+    pub fn rest_frame(self) -> RestFrame {
+        match self {
+            Self::Flat | Self::Spherical { .. } => RestFrame::Conformal,
+            Self::Spinning { placement, hole } => RestFrame::Spinning(placement, hole),
         }
     }
 

@@ -34,6 +34,7 @@ mod named;
 mod parameter;
 mod placement;
 mod reissner_nordstrom;
+mod rest_frame;
 mod schwarzschild;
 
 pub use chart::{Chart, Fate};
@@ -44,4 +45,5 @@ pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
+pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
