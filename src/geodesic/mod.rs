@@ -15,6 +15,7 @@ mod rk4_paper;
 mod rkf45;
 mod rkn4;
 mod rkn6;
+mod space_arc;
 mod stepper;
 mod time;
 
@@ -31,5 +32,6 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
+pub use space_arc::{SpaceArc, fit_space_arc};
 pub use stepper::{Estimate, Stepper, Trial};
 pub use time::elapsed;
