@@ -48,7 +48,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
 #[derive(Serialize)]
 struct Report<'a> {
     scene: String,
-    spacetime: Spacetime,
+    spacetime: Spacetime<'a>,
     geometry: Shapes,
     materials: Materials,
     lights: Lights,
@@ -68,7 +68,7 @@ struct Report<'a> {
     warnings: &'a [String],
 }
 
-struct Spacetime(SpacetimeKind);
+struct Spacetime<'a>(&'a SpacetimeKind);
 
 #[derive(Serialize)]
 struct Shapes {
@@ -126,7 +126,7 @@ impl<'a> Report<'a> {
         let cost = Forecast::new(&probe, &scene.settings);
         Self {
             scene: name,
-            spacetime: Spacetime(scene.spacetime),
+            spacetime: Spacetime(&scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
             lights: Lights::of(&scene.punctual),
@@ -177,7 +177,7 @@ impl<'a> Report<'a> {
     }
 }
 
-impl Serialize for Spacetime {
+impl Serialize for Spacetime<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", self.0.entry().name)?;
@@ -203,7 +203,7 @@ impl Serialize for Spacetime {
     }
 }
 
-impl Spacetime {
+impl Spacetime<'_> {
     fn text(&self) -> String {
         let title = self.0.entry().title;
         let values = self.0.parameters();

@@ -71,7 +71,7 @@ fn case(columns: &Columns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord)
         Some(places) => given(columns, places, row)?,
         None => {
             let exact =
-                Exact::followed(spacetime, &ray).map_err(|fault| columns.refuse(line(row), &fault))?;
+                Exact::followed(&spacetime, &ray).map_err(|fault| columns.refuse(line(row), &fault))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());
                 return Err(columns.header.at(line(row), "the ray", &cause).help("take the row out"));

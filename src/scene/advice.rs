@@ -14,7 +14,7 @@ const DIM: f64 = 0.02;
 
 /// Oddities of where the hole is: outside of what the surfaces and the camera span, or out of the picture.
 pub(super) fn of_hole(
-    spacetime: SpacetimeKind,
+    spacetime: &SpacetimeKind,
     camera: &Camera,
     aspect: f64,
     boxes: &[(Bounds, u32)],
@@ -81,14 +81,14 @@ mod tests {
 
     fn notes(center: DVec3) -> Vec<String> {
         let hole = SpacetimeKind::black_hole(center, 0.1);
-        of_hole(hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
+        of_hole(&hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
     }
 
     #[test]
     fn a_hole_within_the_scene_and_in_view_is_not_odd() {
         assert!(notes(DVec3::ZERO).is_empty());
         assert!(notes(DVec3::new(0.0, 0.0, 2.05)).is_empty(), "between the scene and the camera");
-        assert!(of_hole(SpacetimeKind::Flat, &camera(), 1.0, &[]).is_empty());
+        assert!(of_hole(&SpacetimeKind::Flat, &camera(), 1.0, &[]).is_empty());
     }
 
     #[test]

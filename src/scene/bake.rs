@@ -52,9 +52,9 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         );
     }
     let aspect = world.settings.aspect();
-    world.notes.extend(advice::of_hole(world.spacetime, &camera, aspect, &boxes));
+    world.notes.extend(advice::of_hole(&world.spacetime, &camera, aspect, &boxes));
     Ok(Baked {
-        spacetime: world.spacetime,
+        spacetime: world.spacetime.clone(),
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry: Geometry::build(primitives),

@@ -101,7 +101,7 @@ spherical! {
 }
 
 /// A spacetime and where its centre is placed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpacetimeKind {
     /// Minkowski: rays are straight.
     Flat,
@@ -223,7 +223,7 @@ impl SpacetimeKind {
     }
 
     /// Entry in the table of all.
-    pub fn entry(self) -> &'static Entry {
+    pub fn entry(&self) -> &'static Entry {
         match self {
             Self::Flat => &FLAT,
             Self::Spherical { metric, .. } => metric.entry(),
@@ -233,38 +233,38 @@ impl SpacetimeKind {
     }
 
     /// Test for flat space.
-    pub fn is_flat(self) -> bool {
-        self == Self::Flat
+    pub fn is_flat(&self) -> bool {
+        *self == Self::Flat
     }
 
     /// World position of the centre, if there is one.
-    pub fn center(self) -> Option<DVec3> {
+    pub fn center(&self) -> Option<DVec3> {
         match self {
             Self::Flat => None,
-            Self::Spherical { center, .. } => Some(center),
+            Self::Spherical { center, .. } => Some(*center),
             Self::Spinning { placement, .. } => Some(placement.center),
         }
     }
 
     /// Centre and axis; those of the origin in flat space.
-    fn placement(self) -> Placement {
+    fn placement(&self) -> Placement {
         match self {
             Self::Flat => Placement::default(),
-            Self::Spherical { center, .. } => center.into(),
-            Self::Spinning { placement, .. } => placement,
+            Self::Spherical { center, .. } => (*center).into(),
+            Self::Spinning { placement, .. } => *placement,
         }
     }
 
     /// Centre and optical medium of a static, spherical spacetime.
-    pub fn medium(self) -> Option<(DVec3, Metric)> {
+    pub fn medium(&self) -> Option<(DVec3, Metric)> {
         match self {
             Self::Flat | Self::Spinning { .. } => None,
-            Self::Spherical { center, metric } => Some((center, metric)),
+            Self::Spherical { center, metric } => Some((*center, *metric)),
         }
     }
 
     /// Largest chart radius of the horizon, 0 if there is none.
-    pub fn horizon(self) -> f64 {
+    pub fn horizon(&self) -> f64 {
         match self {
             Self::Flat => 0.0,
             Self::Spherical { metric, .. } => metric.horizon(),
@@ -273,7 +273,7 @@ impl SpacetimeKind {
     }
 
     /// Largest impact parameter of rays from afar that are captured, 0 if none is.
-    pub fn shadow(self) -> f64 {
+    pub fn shadow(&self) -> f64 {
         match self {
             Self::Flat => 0.0,
             Self::Spherical { metric, .. } => metric.critical_impact_parameter(),
@@ -282,25 +282,25 @@ impl SpacetimeKind {
     }
 
     /// True where nothing can be at rest: within a horizon, or in the ergosphere of a spinning hole.
-    pub fn drags(self, point: DVec3) -> bool {
+    pub fn drags(&self, point: DVec3) -> bool {
         match self {
             Self::Flat => false,
-            Self::Spherical { center, metric } => point.distance(center) <= metric.horizon(),
+            Self::Spherical { center, metric } => point.distance(*center) <= metric.horizon(),
             Self::Spinning { placement, hole } => hole.drags(placement.local(point)),
         }
     }
 
     /// True so near the horizon, or within, that no ray is followed there.
-    pub fn hides(self, point: DVec3) -> bool {
+    pub fn hides(&self, point: DVec3) -> bool {
         match self {
             Self::Flat => false,
-            Self::Spherical { center, metric } => point.distance(center) <= Chart::innermost(&metric),
+            Self::Spherical { center, metric } => point.distance(*center) <= Chart::innermost(metric),
             Self::Spinning { .. } => self.drags(point),
         }
     }
 
     /// Parameters and their values.
-    pub fn parameters(self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
         let values = match self {
             Self::Flat => Vec::new(),
             Self::Spherical { metric, .. } => metric.values(),
@@ -310,12 +310,12 @@ impl SpacetimeKind {
     }
 
     /// Schwarzschild radius 2M, 0 if there is no mass.
-    pub fn schwarzschild_radius(self) -> f64 {
+    pub fn schwarzschild_radius(&self) -> f64 {
         self.parameters().find(|(p, _)| p.key == SCHWARZSCHILD_RADIUS.key).map_or(0.0, |(_, value)| value)
     }
 
     /// Replaces the Schwarzschild radius; a spacetime without one is unchanged.
-    pub fn with_schwarzschild_radius(self, radius: f64) -> Self {
+    pub fn with_schwarzschild_radius(&self, radius: f64) -> Self {
         let value =
             |(p, old): (&Parameter, f64)| if p.key == SCHWARZSCHILD_RADIUS.key { radius } else { old };
         let values: Vec<f64> = self.parameters().map(value).collect();
@@ -323,7 +323,7 @@ impl SpacetimeKind {
     }
 
     /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed once.
-    pub fn in_units(self) -> Option<(Metric, f64)> {
+    pub fn in_units(&self) -> Option<(Metric, f64)> {
         let is_length = |parameter: &Parameter| parameter.range == Range::Length;
         let (_, unit) = self.parameters().find(|(parameter, _)| is_length(parameter))?;
         let scaled = |(parameter, value)| if is_length(parameter) { value / unit } else { value };
@@ -332,11 +332,11 @@ impl SpacetimeKind {
     }
 
     /// Does `visitor`'s work in the family that the spacetime is of.
-    pub fn visit<V: SpacetimeVisitor>(self, visitor: V) -> V::Output {
+    pub fn visit<V: SpacetimeVisitor>(&self, visitor: V) -> V::Output {
         match self {
             Self::Flat => visitor.flat(),
-            Self::Spherical { center, metric } => metric.visit(center, visitor),
-            Self::Spinning { placement, hole } => visitor.spinning(placement, hole),
+            Self::Spherical { center, metric } => metric.visit(*center, visitor),
+            Self::Spinning { placement, hole } => visitor.spinning(*placement, *hole),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::math::cross_exact;
 use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
@@ -114,7 +114,7 @@ impl Joiner {
     /// # Errors
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
     pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, Fault> {
-        let Pair { spacetime, x, y } = *pair;
+        let &Pair { ref spacetime, x, y } = pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {
