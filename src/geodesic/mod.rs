@@ -6,6 +6,7 @@ mod arc;
 mod control;
 mod dop853;
 mod dopri5;
+mod field;
 mod follow;
 mod leapfrog4;
 mod lens;
@@ -23,6 +24,9 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+pub use field::{
+    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, follow_field, lane, set_lane,
+};
 pub use follow::{End, Journey, follow};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};

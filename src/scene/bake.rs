@@ -52,7 +52,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         );
     }
     let aspect = world.settings.aspect();
-    world.notes.extend(advice::of_hole(&world.spacetime, &camera, aspect, &boxes));
+    world.notes.extend(advice::of_holes(&world.spacetime, &camera, aspect, &boxes));
     Ok(Baked {
         spacetime: world.spacetime.clone(),
         camera,
@@ -227,8 +227,14 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
                 "the camera is in the ergosphere, where nothing can be at rest: {distance} from the hole's center"
             )
         }
+        SpacetimeKind::Indexed(_) => "the camera is at the horizon of a hole".to_owned(),
     };
-    let help = "move the camera away, or use a smaller schwarzschild_radius";
+    let help = match world.spacetime {
+        SpacetimeKind::Indexed(_) => "move the camera away",
+        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Spinning { .. } => {
+            "move the camera away, or use a smaller schwarzschild_radius"
+        }
+    };
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),
         None => Err(Fault::whole(problem, help)),

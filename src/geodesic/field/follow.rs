@@ -1,0 +1,98 @@
+//! A ray in a field of refraction, followed to its end where nothing is in its way.
+
+use glam::DVec3;
+
+use super::control::{FieldControl, FieldVerdict};
+use super::step::{FieldRays, FieldStep, lane};
+use crate::geodesic::Stepper;
+use crate::spacetime::IndexField;
+
+/// End of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldEnd {
+    /// It crosses the sphere outwards at this place, in this unit direction.
+    Crosses(DVec3, DVec3),
+    /// It is captured by the sink of this number.
+    Falls(usize),
+    /// It leaves to infinity without ever crossing the sphere outwards; its unit direction there.
+    Leaves(DVec3),
+    /// It took more steps than allowed.
+    StepLimit,
+    /// Its state is no longer finite.
+    NonFinite,
+}
+
+/// A ray, followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldJourney {
+    /// End of the ray.
+    pub end: FieldEnd,
+    /// Steps tried.
+    pub steps: u32,
+}
+
+/// Most steps tried.
+const MAX_STEPS: u32 = 100_000;
+
+/// Follows a ray from its start until it crosses the sphere of this centre and radius outwards (an infinite radius:
+/// leaves to infinity), is captured, or is lost; `each` sees every step that is taken, with its start and length.
+pub fn follow_field<F: IndexField, S: Stepper>(
+    field: &F,
+    stepper: &S,
+    control: &FieldControl,
+    start: FieldRays<1>,
+    (center, radius): (DVec3, f64),
+    mut each: impl FnMut(&FieldRays<1>, &FieldStep<1>, f64),
+) -> FieldJourney {
+    let (mut ray, mut previous) = (start, 1.0);
+    let mut h = control.first_step(S::ESTIMATE.order, &ray, 0);
+    let mut journey = FieldJourney { end: FieldEnd::StepLimit, steps: 0 };
+    let outwards = |ray: &FieldRays<1>, from: DVec3| (lane(&ray.x, 0) - from).dot(lane(&ray.p, 0));
+    while journey.steps < MAX_STEPS {
+        let x = lane(&ray.x, 0);
+        let captures = field.sinks().iter().position(|sink| {
+            x.distance_squared(sink.center) <= sink.captures * sink.captures
+                && outwards(&ray, sink.center) < 0.0
+        });
+        if let Some(sink) = captures {
+            return FieldJourney { end: FieldEnd::Falls(sink), ..journey };
+        }
+        let is_outside = x.distance(control.middle) >= control.outer && outwards(&ray, control.middle) > 0.0;
+        if is_outside && x.distance(center) > radius && outwards(&ray, center) > 0.0 {
+            return FieldJourney { end: FieldEnd::Leaves(lane(&ray.p, 0).normalize()), ..journey };
+        }
+        journey.steps += 1;
+        let step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
+        let FieldVerdict { accepted, next_h, error } = control.judge::<1, S>((&step, h), 0.0, previous, 0);
+        if !accepted {
+            // A step that has vanished, or a state that is no longer finite.
+            let moves = next_h > f64::from(f32::MIN_POSITIVE);
+            if !moves || !x.is_finite() {
+                return FieldJourney { end: FieldEnd::NonFinite, ..journey };
+            }
+            h = next_h;
+            continue;
+        }
+        // A straight continuation that starts outside and ends inside crosses inwards first.
+        let inside = |ray: &FieldRays<1>| lane(&ray.x, 0).distance(center) < radius;
+        if !inside(&step.end) && (inside(&ray) || outwards(&ray, center) < 0.0) {
+            let crossed = |step: &FieldStep<1>| !inside(&step.end) && outwards(&step.end, center) > 0.0;
+            let (mut low, mut high) = (0.0, h);
+            while crossed(&step) && high - low > f64::EPSILON * h {
+                let middle = 0.5 * (low + high);
+                let part = FieldStep::new::<3>(field, stepper, &ray, &[middle]);
+                (low, high) = if crossed(&part) { (low, middle) } else { (middle, high) };
+            }
+            if crossed(&step) {
+                let part = FieldStep::new::<3>(field, stepper, &ray, &[high]);
+                each(&ray, &part, high);
+                let end = FieldEnd::Crosses(lane(&part.end.x, 0), lane(&part.end.p, 0).normalize());
+                return FieldJourney { end, ..journey };
+            }
+        }
+        each(&ray, &step, h);
+        (ray, previous) = (step.end, error);
+        h = control.within(next_h, &ray, 0);
+    }
+    journey
+}
