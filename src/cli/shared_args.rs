@@ -18,7 +18,7 @@ use crate::scene::{
 };
 use crate::trace::Run;
 
-/// Which scene, and what is changed in it.
+/// Scene to load, and changes to it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
     /// Scene file: .toml, .gltf, .glb or .obj
@@ -117,7 +117,7 @@ impl ChangeArgs {
     }
 }
 
-/// Which files are written.
+/// Files that are written.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputArgs {
@@ -176,21 +176,21 @@ pub(super) struct SettingArgs {
     /// Reconstruction filter [default: the scene's, else tent]
     #[arg(long, value_enum, value_name = "NAME")]
     filter: Option<Filter>,
-    /// What camera rays bring that leave to infinity: the environment, or nothing with alpha 0 [default: the scene's, else
-    /// opaque]
+    /// Light of camera rays that leave to infinity: the environment, or nothing with alpha 0 [default: the scene's,
+    /// else opaque]
     #[arg(long, value_enum, value_name = "NAME")]
     background: Option<Background>,
     /// Source of random numbers [default: the scene's, else sobol]
     #[arg(long, value_enum, value_name = "NAME")]
     sampler: Option<SamplerKind>,
-    /// How lights are looked for beside the rays that run into them; `straight` is the paper's way, wrong near a hole
+    /// Sampling of lights, beside the rays that run into them; `straight` is the paper's way, wrong near a hole
     /// [default: the scene's, else geodesic]
     #[arg(long, value_enum, value_name = "NAME")]
     light_sampling: Option<LightSampling>,
     /// Largest winding number of rays to lights that are looked for [default: the scene's, else 1]
     #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
     max_winding: Option<u32>,
-    /// How light that is found both ways is shared [default: the scene's, else balance]
+    /// Heuristic that shares light which is found both ways [default: the scene's, else balance]
     #[arg(long, value_enum, value_name = "NAME")]
     mis: Option<Heuristic>,
 }
@@ -202,7 +202,7 @@ pub(super) struct AccuracyArgs {
     /// holds if the scene sets none]
     #[arg(long, value_enum, value_name = "PRESET")]
     quality: Option<Quality>,
-    /// How rays are advanced through curved space [default: the scene's, else rkn6]
+    /// Stepper that advances rays through curved space [default: the scene's, else rkn6]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in [default: the scene's, else f64]
@@ -286,7 +286,13 @@ pub(super) struct ShareArgs {
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     threads: usize,
     /// Rays in flight per worker
-    #[arg(long, value_name = "N", value_parser = parse::batch, default_value_t = Run::default().batch, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::batch,
+        default_value_t = Run::default().batch,
+        allow_hyphen_values = true
+    )]
     batch: usize,
     /// Planes to write beside the colours, separated by commas, or all [default: none]
     #[arg(long = "aov", value_name = "LIST", value_parser = parse::planes(), value_delimiter = ',')]

@@ -21,13 +21,13 @@ mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
-pub use control::{Control, Verdict};
+pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use field::{
     FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, follow_field, lane, set_lane,
 };
-pub use follow::{End, Journey, follow};
+pub use follow::{Journey, OrbitEnd, follow};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};
@@ -37,5 +37,5 @@ pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
 pub use space_arc::{SpaceArc, fit_space_arc};
-pub use stepper::{Estimate, Stepper, Trial};
+pub use stepper::{StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

@@ -2,7 +2,7 @@
 
 use super::step::{FieldRays, FieldStep, lane};
 use crate::geodesic::control::growth;
-use crate::geodesic::{Control, Estimate, Stepper};
+use crate::geodesic::{Control, StepErrorModel, Stepper};
 use crate::math::fast_log2;
 use crate::spacetime::IndexField;
 use glam::DVec3;
@@ -68,7 +68,7 @@ impl FieldControl {
         previous: f64,
         l: usize,
     ) -> FieldVerdict {
-        let Estimate { order, embedded, .. } = S::ESTIMATE;
+        let StepErrorModel { order, embedded, .. } = S::ESTIMATE;
         let estimate = embedded * step.embedded[l] * step.share[l];
         // The sum keeps the NaN of a step that left the chart, and NaN is never accepted.
         let error = estimate / (SHARE * self.tolerance)
