@@ -25,7 +25,8 @@ pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use field::{
-    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, follow_field, lane, set_lane,
+    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, at_infinity,
+    follow_field, lane, set_lane,
 };
 pub use follow::{Journey, OrbitEnd, follow};
 pub use leapfrog4::Leapfrog4;

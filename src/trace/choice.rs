@@ -2,12 +2,14 @@
 
 use glam::DVec3;
 
+use super::arc_sweep::ArcSweep;
 use super::curved::march::march;
 use super::curved::{Curved, Lane};
+use super::field::Field;
 use super::paper::PaperMarch;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
-use crate::geodesic::{Arc, Control};
+use crate::geodesic::Control;
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
 use crate::spacetime::{Chart, ConformallyFlat, IndexField, KerrNewman, Placement, SpacetimeVisitor};
@@ -57,8 +59,9 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         self.visitor.run(Straight::new(self.scene.geometry.bounds()))
     }
 
-    fn indexed<F: IndexField>(self, _: &F) -> E::Output {
-        self.flat()
+    fn indexed<F: IndexField>(self, field: &F) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        visitor.run(Field::new(scene, field, core, sky))
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {
@@ -99,7 +102,6 @@ impl<M: ConformallyFlat> CenteredMedium<M> {
     /// Rays on orbits; `None` if the stepper knows none.
     fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
         let arc_tolerance = scene.arc_tolerance_around(self.center);
-        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         let outer = R::of(self.chart.outer);
         Some(Curved {
@@ -111,18 +113,7 @@ impl<M: ConformallyFlat> CenteredMedium<M> {
             center: self.center,
             sky: self.sky,
             chart: self.chart,
-            longest_sagitta: if scene.geometry.is_small::<Arc>() {
-                f64::INFINITY
-            } else {
-                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
-            },
-            longest_chord: CHORD * low.distance(high),
-            bounds: (low, high),
+            sweep: ArcSweep::new(scene, arc_tolerance),
         })
     }
 }
-
-/// Longest chord of a searched arc, relative to the diagonal of the geometry.
-const CHORD: f64 = 8.0;
-/// Largest sagitta of a searched arc, relative to the median primitive.
-const SAGITTA: f64 = 1.0;

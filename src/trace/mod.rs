@@ -6,12 +6,15 @@
 //!
 #![doc = include_str!("wavefront.md")]
 
+mod arc_sweep;
 mod choice;
 pub mod curved;
 mod edge_pixels;
+mod field;
 mod halt;
 mod illumination;
 mod job;
+mod land_on_arc;
 mod land_on_ray;
 mod learn;
 mod paper;

@@ -87,7 +87,7 @@ impl FieldControl {
     /// of the geometry in one step.
     #[inline(always)]
     pub fn within<const L: usize>(&self, h: f64, rays: &FieldRays<L>, l: usize) -> f64 {
-        let (x, p, lean) = (lane(&rays.x, l) - self.middle, lane(&rays.p, l), lane(&rays.survey.lean, l));
+        let (x, p, lean) = (lane(&rays.x, l) - self.middle, lane(&rays.p, l), lane(&rays.lean, l));
         let n = p.length();
         let (edge, distance2, outwards) = (EDGE * self.outer, x.length_squared(), x.dot(p) / n);
         // The straight continuation.
@@ -97,7 +97,7 @@ impl FieldControl {
         let far = distance2 > edge * edge;
         let free = LONGEST * (distance2.sqrt() + edge);
         let passing = if meets { way_in } else { free };
-        let reach = rays.survey.reach[l];
+        let reach = rays.reach[l];
         let longest = if far & (passing > reach) { passing } else { reach };
         let longest = if longest < free { longest } else { free };
         let shortest_rate = n / longest + lean.dot(p);
@@ -109,7 +109,7 @@ impl FieldControl {
     /// A first step of a lane, for a stepper whose estimate is of `order`.
     #[inline(always)]
     pub fn first_step<const L: usize>(&self, order: u32, rays: &FieldRays<L>, l: usize) -> f64 {
-        let (p, force, room) = (lane(&rays.p, l), lane(&rays.survey.force, l), rays.survey.room[l]);
+        let (p, force, room) = (lane(&rays.p, l), lane(&rays.force, l), rays.room[l]);
         let n2 = p.length_squared();
         let strength = force.length() * room / n2;
         let exponent = 64u32.div_ceil(order.max(1)) as i32;
@@ -117,6 +117,24 @@ impl FieldControl {
         let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
         let h = (if reach < 1.0 { reach } else { 1.0 }) * room / n2.sqrt();
         self.within(h, rays, l)
+    }
+
+    /// True if a ray with this position and momentum leaves: nothing is in its way any more.
+    #[inline(always)]
+    pub fn leaves(&self, x: DVec3, p: DVec3) -> bool {
+        let away = x - self.middle;
+        (away.length_squared() >= self.outer * self.outer) & (away.dot(p) > 0.0)
+    }
+
+    /// True if a step between two positions with their momenta keeps outside the geometry: it does not turn in between.
+    #[inline(always)]
+    pub fn keeps_outside(&self, start: (DVec3, DVec3), end: (DVec3, DVec3)) -> bool {
+        let at = |(x, p): (DVec3, DVec3)| {
+            let away = x - self.middle;
+            (away.length_squared() > self.outer * self.outer, away.dot(p) < 0.0)
+        };
+        let ((starts_outside, starts_inwards), (ends_outside, ends_inwards)) = (at(start), at(end));
+        starts_outside & ends_outside & (starts_inwards == ends_inwards)
     }
 
     /// True if an arc with this chord is so near the curve that what meets the one meets the other to the accuracy asked

@@ -14,8 +14,8 @@ pub enum FieldEnd {
     Crosses(DVec3, DVec3),
     /// It is captured by the sink of this number.
     Falls(usize),
-    /// It leaves to infinity without ever crossing the sphere outwards; its unit direction there.
-    Leaves(DVec3),
+    /// It leaves to infinity without ever crossing the sphere outwards.
+    Misses,
     /// It took more steps than allowed.
     StepLimit,
     /// Its state is no longer finite.
@@ -34,8 +34,8 @@ pub struct FieldJourney {
 /// Most steps tried.
 const MAX_STEPS: u32 = 100_000;
 
-/// Follows a ray from its start until it crosses the sphere of this centre and radius outwards (an infinite radius:
-/// leaves to infinity), is captured, or is lost; `each` sees every step that is taken, with its start and length.
+/// Follows a ray from its start until it crosses the sphere of this centre and radius outwards, is captured, or is lost;
+/// `each` sees every step that is taken, with its start and length.
 pub fn follow_field<F: IndexField, S: Stepper>(
     field: &F,
     stepper: &S,
@@ -57,9 +57,8 @@ pub fn follow_field<F: IndexField, S: Stepper>(
         if let Some(sink) = captures {
             return FieldJourney { end: FieldEnd::Falls(sink), ..journey };
         }
-        let is_outside = x.distance(control.middle) >= control.outer && outwards(&ray, control.middle) > 0.0;
-        if is_outside && x.distance(center) > radius && outwards(&ray, center) > 0.0 {
-            return FieldJourney { end: FieldEnd::Leaves(lane(&ray.p, 0).normalize()), ..journey };
+        if control.leaves(x, lane(&ray.p, 0)) && x.distance(center) > radius && outwards(&ray, center) > 0.0 {
+            return FieldJourney { end: FieldEnd::Misses, ..journey };
         }
         journey.steps += 1;
         let step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
@@ -95,4 +94,49 @@ pub fn follow_field<F: IndexField, S: Stepper>(
         h = control.within(next_h, &ray, 0);
     }
     journey
+}
+
+/// 1 − β·Y where a ray counts as at infinity.
+const INFINITY: f64 = 1e-13;
+/// Most corrections of a step to infinity.
+const MOST_CORRECTIONS: u32 = 8;
+
+/// The unit direction at infinity of a ray that leaves and meets nothing more; `None` if it is lost.
+pub fn at_infinity<F: IndexField, S: Stepper>(
+    field: &F,
+    stepper: &S,
+    control: &FieldControl,
+    mut ray: FieldRays<1>,
+) -> Option<DVec3> {
+    let mut h = control.first_step(S::ESTIMATE.order, &ray, 0);
+    let mut previous = 1.0;
+    for _ in 0..MAX_STEPS {
+        let (lean, momentum) = (lane(&ray.lean, 0), lane(&ray.p, 0));
+        if lean == DVec3::ZERO {
+            return momentum.try_normalize();
+        }
+        // Where a straight ray is at infinity.
+        let whole = 1.0 / lean.dot(momentum);
+        let reaches = whole > 0.0 && h >= whole;
+        h = if reaches { whole } else { h };
+        let mut step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
+        for _ in 0..if reaches { MOST_CORRECTIONS } else { 0 } {
+            let excess = step.ahead[0] - INFINITY;
+            if excess.abs() < 0.5 * INFINITY {
+                break;
+            }
+            h += h * excess / lean.dot(lane(&step.rate, 0));
+            step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
+        }
+        let verdict = control.judge::<1, S>((&step, h), 0.0, previous, 0);
+        if verdict.accepted && step.ahead[0] < 2.0 * INFINITY {
+            return lane(&step.end.p, 0).try_normalize();
+        }
+        if !verdict.accepted && verdict.next_h < f64::from(f32::MIN_POSITIVE) {
+            return None;
+        }
+        (ray, previous) = if verdict.accepted { (step.end, verdict.error) } else { (ray, previous) };
+        h = verdict.next_h;
+    }
+    None
 }

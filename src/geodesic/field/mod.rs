@@ -5,5 +5,5 @@ mod follow;
 mod step;
 
 pub use control::{FieldControl, FieldVerdict};
-pub use follow::{FieldEnd, FieldJourney, follow_field};
-pub use step::{FieldRays, FieldStep, lane, set_lane};
+pub use follow::{FieldEnd, FieldJourney, at_infinity, follow_field};
+pub use step::{FieldRays, FieldStep, alone, lane, set_lane};

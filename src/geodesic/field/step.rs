@@ -12,8 +12,14 @@ pub struct FieldRays<const L: usize> {
     pub x: Vectors<L>,
     /// Momenta, as long as the index.
     pub p: Vectors<L>,
-    /// The field there.
-    pub survey: Survey<L>,
+    /// ½∇n².
+    pub force: Vectors<L>,
+    /// β of projective coordinates for a step from there.
+    pub lean: Vectors<L>,
+    /// Lengths over which the index changes.
+    pub room: Lanes<L>,
+    /// Lengths of the longest steps that overlook nothing.
+    pub reach: Lanes<L>,
 }
 
 /// Steps of rays.
@@ -47,11 +53,21 @@ pub fn set_lane<const L: usize>(vectors: &mut Vectors<L>, l: usize, vector: DVec
     (vectors[0][l], vectors[1][l], vectors[2][l]) = (vector.x, vector.y, vector.z);
 }
 
+/// A vector as the only one of its lanes.
+pub fn alone(vector: DVec3) -> Vectors<1> {
+    [[vector.x], [vector.y], [vector.z]]
+}
+
 impl<const L: usize> FieldRays<L> {
     /// Rays that start at `x` in the directions `d`, not 0 and of any length.
     #[inline(always)]
     pub fn new(field: &impl IndexField, x: &Vectors<L>, d: &Vectors<L>) -> Self {
-        let survey = field.survey(x, d);
+        Self::of(x, d, &field.survey(x, d))
+    }
+
+    /// Rays in these directions where the field is known.
+    #[inline(always)]
+    fn of(x: &Vectors<L>, d: &Vectors<L>, survey: &Survey<L>) -> Self {
         let (mut p, length2) = (*d, dot(d, d));
         for l in 0..L {
             let factor = (survey.index_squared[l] / length2[l]).sqrt();
@@ -59,13 +75,14 @@ impl<const L: usize> FieldRays<L> {
                 component[l] *= factor;
             }
         }
-        Self { x: *x, p, survey }
+        let Survey { force, lean, room, reach, .. } = *survey;
+        Self { x: *x, p, force, lean, room, reach }
     }
 
     /// From where their next steps are seen.
     #[inline(always)]
     fn viewpoint(&self) -> Viewpoint<L> {
-        Viewpoint { x: self.x, p: self.p, lean: self.survey.lean }
+        Viewpoint { x: self.x, p: self.p, lean: self.lean }
     }
 }
 
@@ -97,7 +114,7 @@ impl<const L: usize> FieldStep<L> {
             }
         }
         let force = |_: f64, y: [f64; N]| squared(field.acceleration(&view, &vectors::<L, N>(&y)));
-        let start_force = squared(start.survey.force);
+        let start_force = squared(start.force);
         let Trial { gain, velocity, position_error, velocity_error } =
             stepper.step(force, [[0.0; N], flat::<L, N>(&speed), start_force], 1.0);
         let (way, rate) = (vectors::<L, N>(&gain), vectors::<L, N>(&velocity));
@@ -129,17 +146,13 @@ impl<const L: usize> FieldStep<L> {
             let moved = way_error2[l] - way_error_along[l] * way_error_along[l] / rate2[l];
             let (turned, moved) =
                 (if turned > 0.0 { turned } else { 0.0 }, if moved > 0.0 { moved } else { 0.0 });
-            let room = start.survey.room[l];
+            let room = start.room[l];
             embedded[l] = (turned / momentum2[l]).sqrt() + moved.sqrt() / room;
             let nearest = if survey.room[l] < room { survey.room[l] } else { room };
             share[l] = speed2[l].sqrt() * nearest / (room * room);
             drift[l] = (momentum2[l] / survey.index_squared[l] - 1.0).abs();
-            let factor = (survey.index_squared[l] / momentum2[l]).sqrt();
-            for component in &mut p {
-                component[l] *= factor;
-            }
         }
-        Self { end: FieldRays { x, p, survey }, ahead, way, rate, share, embedded, drift }
+        Self { end: FieldRays::of(&x, &p, &survey), ahead, way, rate, share, embedded, drift }
     }
 
     /// Arc of a ray's step from the start, as displacements: middle control point, end, weight, and its distance from the
@@ -148,11 +161,11 @@ impl<const L: usize> FieldStep<L> {
     /// Conics stay conics in projective coordinates, in which the ray is the straighter one.
     #[inline(always)]
     pub fn arc(&self, start: &FieldRays<L>, h: f64, l: usize) -> (DVec3, DVec3, f64, f64) {
-        let (lean, way, rate) = (lane(&start.survey.lean, l), lane(&self.way, l), lane(&self.rate, l));
+        let (lean, way, rate) = (lane(&start.lean, l), lane(&self.way, l), lane(&self.rate, l));
         let q = self.ahead[l];
-        let force = lane(&self.end.survey.force, l);
+        let force = lane(&self.end.force, l);
         let bend = (h * h / (q * q * q)) * (force - way * lean.dot(force));
-        let (speed, first_bend) = (h * lane(&start.p, l), h * h * lane(&start.survey.force, l));
+        let (speed, first_bend) = (h * lane(&start.p, l), h * h * lane(&start.force, l));
         let SpaceArc { middle, weight, error } = fit_space_arc(1.0, way, speed, rate, first_bend, bend);
         let at_middle = 1.0 - lean.dot(middle);
         let scale = 1.0 / if q < 1.0 { q } else { 1.0 };
