@@ -40,7 +40,13 @@ fn advance(scene: &Baked) -> Stage {
         return stage("advance", false, "flat: straight rays, one query per ray; no marching");
     }
     let settings = &scene.settings;
-    let stepper = flag_name(settings.stepper);
+    let stepper = match (&scene.spacetime, settings.stepper) {
+        (SpacetimeKind::Indexed(_), StepperKind::Dop853) => StepperKind::Dop853,
+        // In three dimensions it stands for all others.
+        (SpacetimeKind::Indexed(_), _) => StepperKind::Rkn6,
+        (_, stepper) => stepper,
+    };
+    let stepper = flag_name(stepper);
     stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
 }
 

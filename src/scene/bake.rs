@@ -42,7 +42,11 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
     check_outside_horizon(&world, &camera)?;
     let (punctual, hidden) = lights(&mut world)?;
-    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
+    world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
+    if matches!(world.spacetime, SpacetimeKind::Indexed(_)) && !punctual.is_empty() {
+        let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
+        world.warnings.push(what.to_owned());
+    }
     warn_if_dark(&mut world, &primitives, &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
