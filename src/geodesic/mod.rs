@@ -1,4 +1,4 @@
-//! Null geodesics of conformally flat spacetimes: orbits, steppers, error control, arcs.
+//! Null geodesics: orbits of conformally flat spacetimes, steppers, error control, arcs; spinning holes in [`kerr`].
 //!
 #![doc = include_str!("accuracy.md")]
 
@@ -8,6 +8,7 @@ mod dop853;
 mod dopri5;
 mod field;
 mod follow;
+pub mod kerr;
 mod leapfrog4;
 mod lens;
 mod orbit;

@@ -4,7 +4,7 @@
 //! numbers in units of 1/[`OCTAVE`].
 
 /// From one power of two to the next.
-const OCTAVE: i32 = 1 << (f32::MANTISSA_DIGITS - 1);
+pub const OCTAVE: i32 = 1 << (f32::MANTISSA_DIGITS - 1);
 /// The bits of 1: the bias of the exponent.
 const ONE: i32 = (f32::MAX_EXP - 1) * OCTAVE;
 /// Half of how far chords of 2^y rise above it, relative to it.
