@@ -20,7 +20,7 @@ use crate::light::Punctual;
 use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
 use crate::spacetime::{
-    ConformallyFlat, Hole, IndexField, IndexMedium, Lens, Lenses, SeveralHoles, Sink, SpacetimeKind,
+    ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Sink, SpacetimeKind,
 };
 use crate::study::forecast::Forecast;
 use crate::text::bytes;
@@ -287,13 +287,13 @@ struct LensRow {
 
 impl LensRow {
     fn of(lenses: &Lenses) -> Vec<Self> {
-        let row = |lens: &Lens| {
+        let row = |lens: &GradedLens| {
             let center = lens.center().to_array();
             match *lens {
-                Lens::Gaussian { width, amplitude, .. } => {
+                GradedLens::Gaussian { width, amplitude, .. } => {
                     Self { kind: "gaussian", center, size: width, amplitude: Some(amplitude) }
                 }
-                Lens::Luneburg { radius, .. } => {
+                GradedLens::Luneburg { radius, .. } => {
                     Self { kind: "luneburg", center, size: radius, amplitude: None }
                 }
             }

@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::check;
 use super::error::Fault;
 use super::file::{HoleTable, LensName, LensTable, Number, SpacetimeTable};
-use crate::spacetime::{Hole, IndexMedium, Lens, Lenses, Listed, SeveralHoles, SpacetimeKind};
+use crate::spacetime::{GradedLens, Hole, IndexMedium, Lenses, Listed, SeveralHoles, SpacetimeKind};
 
 /// Least index of refraction that lenses leave.
 const LEAST_INDEX: f64 = 0.05;
@@ -55,11 +55,11 @@ fn holes(tables: &[Spanned<HoleTable>]) -> Result<SeveralHoles, Fault> {
 const CLOSEST: f64 = 1e-6;
 
 fn lenses(tables: &[Spanned<LensTable>]) -> Result<Lenses, Fault> {
-    let mut lenses: Vec<Lens> = Vec::with_capacity(tables.len());
+    let mut lenses: Vec<GradedLens> = Vec::with_capacity(tables.len());
     let mut least = 1.0;
     for table in tables {
         let lens = lens(table)?;
-        if let Lens::Gaussian { amplitude, .. } = lens {
+        if let GradedLens::Gaussian { amplitude, .. } = lens {
             least += amplitude.min(0.0);
         }
         if least < LEAST_INDEX {
@@ -67,8 +67,8 @@ fn lenses(tables: &[Spanned<LensTable>]) -> Result<Lenses, Fault> {
                 format!("the index of refraction may fall to {least}, and must be {LEAST_INDEX} or more");
             return Err(Fault::at(table.span(), problem, "use a larger `amplitude`"));
         }
-        let is_luneburg = |lens: &Lens| matches!(lens, Lens::Luneburg { .. });
-        let touches = |other: &&Lens| {
+        let is_luneburg = |lens: &GradedLens| matches!(lens, GradedLens::Luneburg { .. });
+        let touches = |other: &&GradedLens| {
             (is_luneburg(&lens) || is_luneburg(other))
                 && lens.center().distance(other.center()) <= lens.support() + other.support()
         };
@@ -83,7 +83,7 @@ fn lenses(tables: &[Spanned<LensTable>]) -> Result<Lenses, Fault> {
     Ok(Lenses::new(&lenses))
 }
 
-fn lens(table: &Spanned<LensTable>) -> Result<Lens, Fault> {
+fn lens(table: &Spanned<LensTable>) -> Result<GradedLens, Fault> {
     let span = table.span();
     let LensTable { kind, center, width, amplitude, radius } = table.get_ref();
     let center = check::finite_vector(center, "center")?;
@@ -103,13 +103,13 @@ fn lens(table: &Spanned<LensTable>) -> Result<Lens, Fault> {
             unknown(radius, "radius")?;
             let width = check::positive(&needed(width, "width")?, "width")?;
             let amplitude = check::finite(&needed(amplitude, "amplitude")?, "amplitude")?;
-            Ok(Lens::Gaussian { center, width, amplitude })
+            Ok(GradedLens::Gaussian { center, width, amplitude })
         }
         LensName::Luneburg => {
             unknown(width, "width")?;
             unknown(amplitude, "amplitude")?;
             let radius = check::positive(&needed(radius, "radius")?, "radius")?;
-            Ok(Lens::Luneburg { center, radius })
+            Ok(GradedLens::Luneburg { center, radius })
         }
     }
 }

@@ -21,7 +21,7 @@ pub type Vectors<const L: usize> = [[f64; L]; 3];
 /// one in a single dimension, so that a ray from afar takes few steps.
 pub trait IndexField: Clone + PartialEq + Send + Sync + 'static {
     /// The field where rays are, on their way in the directions of the momenta `p`.
-    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> Survey<L>;
+    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> FieldSurvey<L>;
 
     /// d²Y/dτ² at the projective places `y`, seen from the starts of steps.
     fn acceleration<const L: usize>(&self, from: &Viewpoint<L>, y: &Vectors<L>) -> Vectors<L>;
@@ -38,7 +38,7 @@ pub trait IndexField: Clone + PartialEq + Send + Sync + 'static {
 
 /// The field where rays are.
 #[derive(Clone, Copy, Debug)]
-pub struct Survey<const L: usize> {
+pub struct FieldSurvey<const L: usize> {
     /// n².
     pub index_squared: Lanes<L>,
     /// ½∇n².

@@ -12,11 +12,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::index_field::{IndexField, Sink, Survey, Vectors, Viewpoint};
+use super::index_field::{FieldSurvey, IndexField, Sink, Vectors, Viewpoint};
 
 /// A lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lens {
+pub enum GradedLens {
     /// Densest in its middle, fading away.
     Gaussian {
         /// World position of the middle.
@@ -38,7 +38,7 @@ pub enum Lens {
 /// Lenses in flat space. Those of Luneburg are apart from all others, and the index is positive everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lenses {
-    lenses: Arc<[Lens]>,
+    lenses: Arc<[GradedLens]>,
     middle: DVec3,
     turning_radius: f64,
 }
@@ -50,7 +50,7 @@ const LONGEST: [f64; 2] = [0.75, 0.25];
 /// Distance from the edge of Luneburg's lens that counts as none, relative to its radius.
 const EDGE: f64 = 1e-12;
 
-impl Lens {
+impl GradedLens {
     /// World position of the middle.
     pub fn center(&self) -> DVec3 {
         match *self {
@@ -69,22 +69,22 @@ impl Lens {
 
 impl Lenses {
     /// These lenses.
-    pub fn new(lenses: &[Lens]) -> Self {
-        let middle = lenses.iter().map(Lens::center).sum::<DVec3>() / lenses.len() as f64;
-        let reach = |lens: &Lens| lens.center().distance(middle) + lens.support();
+    pub fn new(lenses: &[GradedLens]) -> Self {
+        let middle = lenses.iter().map(GradedLens::center).sum::<DVec3>() / lenses.len() as f64;
+        let reach = |lens: &GradedLens| lens.center().distance(middle) + lens.support();
         let turning_radius = lenses.iter().map(reach).fold(0.0, f64::max);
         Self { lenses: lenses.into(), middle, turning_radius }
     }
 
     /// The lenses.
-    pub fn lenses(&self) -> &[Lens] {
+    pub fn lenses(&self) -> &[GradedLens] {
         &self.lenses
     }
 }
 
 /// A ray beside a sphere.
 #[derive(Clone, Copy)]
-struct Beside {
+struct LensAspect {
     /// Position from the middle.
     away: [f64; 3],
     /// Its length squared.
@@ -93,7 +93,7 @@ struct Beside {
     outwards: f64,
 }
 
-impl Beside {
+impl LensAspect {
     #[inline(always)]
     fn of<const L: usize>(center: DVec3, x: &Vectors<L>, p: &Vectors<L>, l: usize) -> Self {
         let away = [x[0][l] - center.x, x[1][l] - center.y, x[2][l] - center.z];
@@ -122,17 +122,17 @@ impl Beside {
 
 impl IndexField for Lenses {
     #[inline(always)]
-    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> Survey<L> {
+    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> FieldSurvey<L> {
         let (mut index, mut slope) = ([1.0; L], [[0.0; L]; 3]);
         let (mut inner, mut inner_force) = ([0.0; L], [[0.0; L]; 3]);
         let (mut room, mut reach) = ([f64::INFINITY; L], [f64::INFINITY; L]);
         for lens in &*self.lenses {
             for l in 0..L {
-                let beside = Beside::of(lens.center(), x, p, l);
-                let Beside { away, distance2, outwards } = beside;
+                let beside = LensAspect::of(lens.center(), x, p, l);
+                let LensAspect { away, distance2, outwards } = beside;
                 let (scale, longest);
                 match *lens {
-                    Lens::Gaussian { width, amplitude, .. } => {
+                    GradedLens::Gaussian { width, amplitude, .. } => {
                         let per_width2 = 1.0 / (width * width);
                         let excess = amplitude * libm::exp(-0.5 * distance2 * per_width2);
                         index[l] += excess;
@@ -144,7 +144,7 @@ impl IndexField for Lenses {
                         let outside = distance2 > SUPPORT * SUPPORT * width * width;
                         longest = if outside { beside.entry(SUPPORT * width).max(near) } else { near };
                     }
-                    Lens::Luneburg { radius, .. } => {
+                    GradedLens::Luneburg { radius, .. } => {
                         scale = (radius * radius).max(distance2).sqrt();
                         if beside.is_inside(radius) {
                             let part = distance2 / (radius * radius);
@@ -172,7 +172,7 @@ impl IndexField for Lenses {
                 force[k][l] = index[l] * slope[k][l] + inner_force[k][l];
             }
         }
-        Survey { index_squared, force, lean: [[0.0; L]; 3], room, reach }
+        FieldSurvey { index_squared, force, lean: [[0.0; L]; 3], room, reach }
     }
 
     /// Projective coordinates are the plain ones.
@@ -186,7 +186,7 @@ impl IndexField for Lenses {
                 let at = |k: usize| from.x[k][l] + y[k][l] - center[k];
                 let away = [at(0), at(1), at(2)];
                 match *lens {
-                    Lens::Gaussian { width, amplitude, .. } => {
+                    GradedLens::Gaussian { width, amplitude, .. } => {
                         let per_width2 = 1.0 / (width * width);
                         let distance2 = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
                         let excess = amplitude * libm::exp(-0.5 * distance2 * per_width2);
@@ -195,8 +195,8 @@ impl IndexField for Lenses {
                             slope[k][l] -= excess * per_width2 * away[k];
                         }
                     }
-                    Lens::Luneburg { radius, .. } => {
-                        if Beside::of(center, &from.x, &from.p, l).is_inside(radius) {
+                    GradedLens::Luneburg { radius, .. } => {
+                        if LensAspect::of(center, &from.x, &from.p, l).is_inside(radius) {
                             for k in 0..3 {
                                 force[k][l] -= away[k] / (radius * radius);
                             }

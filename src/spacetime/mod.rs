@@ -45,10 +45,10 @@ mod several_holes;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
-pub use index_field::{IndexField, Lanes, Sink, Survey, Vectors, Viewpoint, dot};
+pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint, dot};
 pub use kerr_newman::KerrNewman;
 pub use kind::{Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
-pub use lenses::{Lens, Lenses};
+pub use lenses::{GradedLens, Lenses};
 pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::index_field::{IndexField, Sink, Survey, Vectors, Viewpoint, dot};
+use super::index_field::{FieldSurvey, IndexField, Sink, Vectors, Viewpoint, dot};
 
 /// An extremally charged hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +101,7 @@ fn turning_radius(holes: &[Hole], middle: DVec3, mass: f64) -> f64 {
 
 impl IndexField for SeveralHoles {
     #[inline(always)]
-    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> Survey<L> {
+    fn survey<const L: usize>(&self, x: &Vectors<L>, p: &Vectors<L>) -> FieldSurvey<L> {
         let (mut potential, mut weight) = ([1.0; L], [0.0; L]);
         let (mut slope, mut lean) = ([[0.0; L]; 3], [[0.0; L]; 3]);
         let (mut room, mut reach) = ([f64::INFINITY; L], [f64::INFINITY; L]);
@@ -138,7 +138,7 @@ impl IndexField for SeveralHoles {
                 lean[k][l] *= per_weight;
             }
         }
-        Survey { index_squared, force, lean, room, reach }
+        FieldSurvey { index_squared, force, lean, room, reach }
     }
 
     /// With q = 1 − β·Y and D = q (x₀ − xᵢ) + Y, which is (x − xᵢ) q, the force of each hole is

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::arc_sweep::ArcSweep;
 use super::curved::march::march;
 use super::curved::{Curved, Lane};
-use super::field::Field;
+use super::field::FieldTransport;
 use super::paper::PaperMarch;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
@@ -61,7 +61,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 
     fn indexed<F: IndexField>(self, field: &F) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
-        visitor.run(Field::new(scene, field, core, sky))
+        visitor.run(FieldTransport::new(scene, field, core, sky))
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {

@@ -110,12 +110,19 @@ impl FieldControl {
     #[inline(always)]
     pub fn first_step<const L: usize>(&self, order: u32, rays: &FieldRays<L>, l: usize) -> f64 {
         let (p, force, room) = (lane(&rays.p, l), lane(&rays.force, l), rays.room[l]);
-        let n2 = p.length_squared();
-        let strength = force.length() * room / n2;
+        let x = lane(&rays.x, l) - self.middle;
+        let (n2, edge, distance2) = (p.length_squared(), EDGE * self.outer, x.length_squared());
+        // A straight continuation from far outside comes this near.
+        let outwards = x.dot(p);
+        let across = (distance2 - outwards * outwards / n2).sqrt();
+        let ahead = if across > edge { across } else { edge };
+        let far = (distance2 > edge * edge) & (outwards < 0.0) & (ahead < room);
+        let nearest = if far { ahead } else { room };
+        let strength = force.length() * room * room / (nearest * n2);
         let exponent = 64u32.div_ceil(order.max(1)) as i32;
         let log2 = fast_log2::log2((REACH * self.tolerance / strength) as f32);
         let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
-        let h = (if reach < 1.0 { reach } else { 1.0 }) * room / n2.sqrt();
+        let h = (if reach < 1.0 { reach } else { 1.0 }) * room * room / (nearest * n2.sqrt());
         self.within(h, rays, l)
     }
 

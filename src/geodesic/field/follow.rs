@@ -72,19 +72,24 @@ pub fn follow_field<F: IndexField, S: Stepper>(
             h = next_h;
             continue;
         }
-        // A straight continuation that starts outside and ends inside crosses inwards first.
+        // Between a point before the crossing and one behind it.
         let inside = |ray: &FieldRays<1>| lane(&ray.x, 0).distance(center) < radius;
-        if !inside(&step.end) && (inside(&ray) || outwards(&ray, center) < 0.0) {
-            let crossed = |step: &FieldStep<1>| !inside(&step.end) && outwards(&step.end, center) > 0.0;
-            let (mut low, mut high) = (0.0, h);
-            while crossed(&step) && high - low > f64::EPSILON * h {
-                let middle = 0.5 * (low + high);
-                let part = FieldStep::new::<3>(field, stepper, &ray, &[middle]);
-                (low, high) = if crossed(&part) { (low, middle) } else { (middle, high) };
+        let is_behind = |ray: &FieldRays<1>| !inside(ray) && outwards(ray, center) > 0.0;
+        if is_behind(&step.end) && !is_behind(&ray) {
+            let (mut before, mut behind, mut part) = (0.0, h, ray);
+            while behind - before > f64::EPSILON * h {
+                let middle = 0.5 * (before + behind);
+                let end = FieldStep::new::<3>(field, stepper, &ray, &[middle]).end;
+                if is_behind(&end) {
+                    behind = middle;
+                } else {
+                    (before, part) = (middle, end);
+                }
             }
-            if crossed(&step) {
-                let part = FieldStep::new::<3>(field, stepper, &ray, &[high]);
-                each(&ray, &part, high);
+            // A ray that only passes by comes no nearer.
+            if inside(&part) {
+                let part = FieldStep::new::<3>(field, stepper, &ray, &[behind]);
+                each(&ray, &part, behind);
                 let end = FieldEnd::Crosses(lane(&part.end.x, 0), lane(&part.end.p, 0).normalize());
                 return FieldJourney { end, ..journey };
             }

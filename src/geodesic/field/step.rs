@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::geodesic::{SpaceArc, Stepper, Trial, fit_space_arc};
-use crate::spacetime::{IndexField, Lanes, Survey, Vectors, Viewpoint, dot};
+use crate::spacetime::{FieldSurvey, IndexField, Lanes, Vectors, Viewpoint, dot};
 
 /// Rays at places of a field.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,7 @@ impl<const L: usize> FieldRays<L> {
 
     /// Rays in these directions where the field is known.
     #[inline(always)]
-    fn of(x: &Vectors<L>, d: &Vectors<L>, survey: &Survey<L>) -> Self {
+    fn of(x: &Vectors<L>, d: &Vectors<L>, survey: &FieldSurvey<L>) -> Self {
         let (mut p, length2) = (*d, dot(d, d));
         for l in 0..L {
             let factor = (survey.index_squared[l] / length2[l]).sqrt();
@@ -75,7 +75,7 @@ impl<const L: usize> FieldRays<L> {
                 component[l] *= factor;
             }
         }
-        let Survey { force, lean, room, reach, .. } = *survey;
+        let FieldSurvey { force, lean, room, reach, .. } = *survey;
         Self { x: *x, p, force, lean, room, reach }
     }
 

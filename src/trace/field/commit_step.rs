@@ -1,7 +1,7 @@
-//! Committing a step that met nothing: from its end to the start of the next.
+//! FieldCommits a step that met nothing: from its end to the start of the next.
 
-use super::Field;
 use super::flight::{FieldFlight, FieldMove, FieldStatus};
+use super::rays::FieldTransport;
 use crate::geometry::PrimitiveId;
 use crate::math::kernel::Kernel;
 
@@ -9,9 +9,9 @@ use crate::math::kernel::Kernel;
 const MAX_STEPS: u32 = 10_000;
 
 /// Commits the steps of rays that met nothing: to the end of a step that is good enough, or else to a shorter step.
-pub struct Committing<'a>(pub &'a Field);
+pub struct FieldCommits<'a>(pub &'a FieldTransport);
 
-impl Kernel for Committing<'_> {
+impl Kernel for FieldCommits<'_> {
     type A = FieldFlight;
     type B = FieldMove;
     type Out = FieldFlight;

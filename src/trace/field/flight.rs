@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::retrace::FieldSpan;
+use super::span::FieldSpan;
 use crate::geometry::PrimitiveId;
 use crate::math::columns::{columns, plain_field};
 

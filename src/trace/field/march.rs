@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::flight::{FieldFlight, FieldMove, FieldStart, FieldStatus};
-use super::retrace::{FieldSpan, gather};
+use super::span::{FieldSpan, gather};
 use crate::geodesic::{
     Dop853, FieldControl, FieldRays, FieldStep, FieldVerdict, Rkn6, Stepper, alone, at_infinity, lane,
     set_lane,
@@ -62,26 +62,26 @@ pub fn march<F: IndexField>(
     traps: Vec<Trap>,
 ) -> Box<dyn FieldMarch> {
     match stepper {
-        StepperKind::Dop853 => Box::new(Stepping { field, stepper: Dop853, control, traps }),
+        StepperKind::Dop853 => Box::new(FieldStepping { field, stepper: Dop853, control, traps }),
         StepperKind::Rkn6
         | StepperKind::Dopri5
         | StepperKind::Rkf45
         | StepperKind::Rkn4
         | StepperKind::Rk4
         | StepperKind::Leapfrog4
-        | StepperKind::Rk4Paper => Box::new(Stepping { field, stepper: Rkn6, control, traps }),
+        | StepperKind::Rk4Paper => Box::new(FieldStepping { field, stepper: Rkn6, control, traps }),
     }
 }
 
 /// A march.
-struct Stepping<F, S> {
+struct FieldStepping<F, S> {
     field: F,
     stepper: S,
     control: FieldControl,
     traps: Vec<Trap>,
 }
 
-impl<F: IndexField, S: Stepper> Stepping<F, S> {
+impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
     /// Rays that start beside each other.
     #[inline(always)]
     fn starts<const L: usize>(
@@ -199,13 +199,13 @@ fn vectors<const L: usize>(rays: &FieldRays<L>, l: usize) -> [DVec3; 4] {
 }
 
 /// Blocks of rays that start.
-struct Launching<'a, F, S> {
-    march: &'a Stepping<F, S>,
+struct FieldLaunches<'a, F, S> {
+    march: &'a FieldStepping<F, S>,
     starts: &'a [<FieldStart as Row>::Block],
     flights: &'a mut [<FieldFlight as Row>::Block],
 }
 
-impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Launching<'_, F, S> {
+impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldLaunches<'_, F, S> {
     type Output = ();
 
     #[inline(always)]
@@ -218,13 +218,13 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Launching<'_, F, S> {
 }
 
 /// Blocks of rays to be moved.
-struct Moving<'a, F, S> {
-    march: &'a Stepping<F, S>,
+struct FieldMoves<'a, F, S> {
+    march: &'a FieldStepping<F, S>,
     flights: &'a [<FieldFlight as Row>::Block],
     moves: &'a mut [<FieldMove as Row>::Block],
 }
 
-impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Moving<'_, F, S> {
+impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldMoves<'_, F, S> {
     type Output = ();
 
     #[inline(always)]
@@ -243,14 +243,14 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Moving<'_, F, S> {
 }
 
 /// Blocks of parts of steps.
-struct Posing<'a, F, S> {
-    march: &'a Stepping<F, S>,
+struct FieldPoses<'a, F, S> {
+    march: &'a FieldStepping<F, S>,
     spans: &'a [<FieldSpan as Row>::Block],
     parts: &'a [<PartialStep as Row>::Block],
     poses: &'a mut [<Pose as Row>::Block],
 }
 
-impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Posing<'_, F, S> {
+impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldPoses<'_, F, S> {
     type Output = ();
 
     #[inline(always)]
@@ -263,7 +263,7 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for Posing<'_, F, S> {
     }
 }
 
-impl<F: IndexField, S: Stepper> FieldMarch for Stepping<F, S> {
+impl<F: IndexField, S: Stepper> FieldMarch for FieldStepping<F, S> {
     fn launch(&self, start: &FieldStart) -> FieldFlight {
         let mut launched = FieldFlight::default();
         self.starts::<1>(|_| *start, |_, flight| launched = flight);
@@ -271,7 +271,7 @@ impl<F: IndexField, S: Stepper> FieldMarch for Stepping<F, S> {
     }
 
     fn launch_all(&self, starts: &[<FieldStart as Row>::Block], flights: &mut [<FieldFlight as Row>::Block]) {
-        widest(Launching { march: self, starts, flights });
+        widest(FieldLaunches { march: self, starts, flights });
     }
 
     fn advance(&self, flight: &FieldFlight) -> FieldMove {
@@ -282,7 +282,7 @@ impl<F: IndexField, S: Stepper> FieldMarch for Stepping<F, S> {
     }
 
     fn advance_all(&self, flights: &[<FieldFlight as Row>::Block], moves: &mut [<FieldMove as Row>::Block]) {
-        widest(Moving { march: self, flights, moves });
+        widest(FieldMoves { march: self, flights, moves });
     }
 
     fn pose(&self, span: &FieldSpan, part: &PartialStep) -> Pose {
@@ -298,7 +298,7 @@ impl<F: IndexField, S: Stepper> FieldMarch for Stepping<F, S> {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
-        widest(Posing { march: self, spans, parts, poses });
+        widest(FieldPoses { march: self, spans, parts, poses });
     }
 
     fn at_infinity(&self, flight: &FieldFlight) -> Option<DVec3> {

@@ -3,80 +3,26 @@
 mod commit_step;
 mod flight;
 mod march;
+mod rays;
 mod retrace;
+mod span;
 
 use glam::DVec3;
 
-use super::arc_sweep::ArcSweep;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
-use crate::geodesic::{Arc, FieldControl};
+use crate::geodesic::Arc;
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::StraightAim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, map, update};
-use crate::scene::Baked;
-use crate::spacetime::IndexField;
-use commit_step::Committing;
+use commit_step::FieldCommits;
 use flight::{FieldFlight, FieldMove, FieldStart, FieldStatus};
-use march::{FieldMarch, Trap, march};
-use retrace::FieldSpan;
+pub use rays::FieldTransport;
+use span::FieldSpan;
 
-/// Rays of a static index of refraction.
-///
-/// Nothing aims at lights: paths that meet light count it, and punctual lights are not seen.
-pub struct Field {
-    /// The method of integration in the field.
-    march: Box<dyn FieldMarch>,
-    /// True if the directions of escaped rays at infinity matter; else rays are not followed there.
-    sky: bool,
-    /// Step-size control.
-    control: FieldControl,
-    /// Largest error of a ray's direction, radians.
-    tolerance: f64,
-    /// Largest distance between an arc and the curve.
-    arc_tolerance: f64,
-    /// Search along arcs.
-    sweep: ArcSweep,
-}
-
-impl Field {
-    /// Rays of `scene` in `field`; falling ones are followed at least to the distance `core` from each hole.
-    pub fn new(scene: &Baked, field: &impl IndexField, core: f64, sky: bool) -> Self {
-        let (tolerance, middle) = (scene.settings.tolerance, field.middle());
-        let farthest = scene.geometry.radii(middle).map_or(0.0, |(_, farthest)| farthest);
-        let arc_tolerance = scene.arc_tolerance_around(middle);
-        let control = FieldControl::new(field, farthest, tolerance, arc_tolerance);
-        let traps = field.sinks().iter().map(|sink| {
-            let nearest = scene.geometry.radii(sink.center).map_or(f64::INFINITY, |(nearest, _)| nearest);
-            let radius = sink.captures.min(nearest.min(core)).max(sink.innermost);
-            Trap { center: sink.center, radius2: radius * radius }
-        });
-        Self {
-            march: march(field.clone(), scene.settings.stepper, control, traps.collect()),
-            sky,
-            control,
-            tolerance,
-            arc_tolerance,
-            sweep: ArcSweep::new(scene, arc_tolerance),
-        }
-    }
-
-    /// The step's arc, in world coordinates.
-    #[inline(always)]
-    fn arc(flight: &FieldFlight, step: &FieldMove) -> Arc {
-        let start = flight.position;
-        Arc { p0: start, p1: start + step.middle, p2: start + step.chord, w: step.weight }
-    }
-
-    /// True if a step can meet anything.
-    #[inline(always)]
-    fn is_searched(&self, flight: &FieldFlight, step: &FieldMove) -> bool {
-        let start = (flight.position, flight.momentum);
-        step.accepted & !self.control.keeps_outside(start, (step.position, step.momentum))
-    }
-
+impl FieldTransport {
     /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &FieldFlight) -> Outcome<FieldFlight> {
         match next.status {
@@ -105,7 +51,7 @@ impl Field {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct FieldQueries<'a>(&'a Field);
+struct FieldQueries<'a>(&'a FieldTransport);
 
 impl Kernel for FieldQueries<'_> {
     type A = FieldFlight;
@@ -115,7 +61,7 @@ impl Kernel for FieldQueries<'_> {
     #[inline(always)]
     fn run(&self, flight: &FieldFlight, step: &FieldMove) -> Query<Arc> {
         let Self(field) = self;
-        let segment = Field::arc(flight, step);
+        let segment = FieldTransport::arc(flight, step);
         let whole = if field.sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
         let may = field.is_searched(flight, step) & field.sweep.may_meet(&segment);
         let need = if may { whole } else { Need::Nothing };
@@ -132,7 +78,7 @@ pub struct FieldScratch {
     on_arcs: ArcLandings,
 }
 
-impl Transport for Field {
+impl Transport for FieldTransport {
     type Flight = FieldFlight;
     type Move = FieldMove;
     type Segment = Arc;
@@ -207,7 +153,7 @@ impl Transport for Field {
     ) -> (Outcome<FieldFlight>, ()) {
         let outcome = match found {
             Some(found) => Outcome::Landed(self.landing(geometry, flight, step, found)),
-            None => self.outcome(&Committing(self).run(flight, step)),
+            None => self.outcome(&FieldCommits(self).run(flight, step)),
         };
         (outcome, ())
     }
@@ -235,7 +181,7 @@ impl Transport for Field {
             end(lane, Outcome::Landed(landing), ());
         });
         // Those that landed go on as well, to nowhere.
-        update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        update(&FieldCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
             if flights.get(lane).status != FieldStatus::Flies && found.is_none() {
