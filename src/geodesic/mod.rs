@@ -6,6 +6,7 @@ mod arc;
 mod control;
 mod dop853;
 mod dopri5;
+mod field;
 mod follow;
 pub mod kerr;
 mod leapfrog4;
@@ -24,6 +25,10 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+pub use field::{
+    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, at_infinity,
+    follow_field, lane, set_lane,
+};
 pub use follow::{Journey, OrbitEnd, follow};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};

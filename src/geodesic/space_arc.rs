@@ -176,12 +176,12 @@ mod tests {
     #[test]
     fn a_straight_step_is_a_straight_arc() {
         let (chord, d) = (DVec3::new(1e9, 2e9, -3e9), DVec3::new(1.0, 2.0, -3.0));
-        let arc = fit_space_arc(1e9, chord, d, d, DVec3::ZERO, DVec3::ZERO);
+        let arc = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [d, DVec3::ZERO]);
         assert!(
             (arc.middle - 0.5 * chord).length() < 1e-6 && arc.weight == 1.0 && arc.error < 1e-6,
             "{arc:?}"
         );
-        let back = fit_space_arc(1.0, chord, d, -d, DVec3::ZERO, DVec3::ZERO);
+        let back = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [-d, DVec3::ZERO]);
         assert!(back.error == f64::INFINITY);
     }
 }

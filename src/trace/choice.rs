@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::arc_sweep::ArcSweep;
 use super::curved::march::march;
 use super::curved::{Curved, Lane};
+use super::field::FieldTransport;
 use super::paper::PaperMarch;
 use super::spinning::Spinning;
 use super::straight::Straight;
@@ -12,7 +13,7 @@ use super::transport::TransportVisitor;
 use crate::geodesic::Control;
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
-use crate::spacetime::{Chart, ConformallyFlat, KerrNewman, Placement, SpacetimeVisitor};
+use crate::spacetime::{Chart, ConformallyFlat, IndexField, KerrNewman, Placement, SpacetimeVisitor};
 
 /// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
@@ -69,6 +70,11 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let lights = positions(scene).map(|light| light.distance(placement.center));
         let core = lights.fold(core, f64::min);
         visitor.run(Spinning::new(scene, (placement, hole), core, sky))
+    }
+
+    fn indexed<F: IndexField>(self, field: &F) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        visitor.run(FieldTransport::new(scene, field, core, sky))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {

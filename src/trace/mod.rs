@@ -10,6 +10,7 @@ mod arc_sweep;
 mod choice;
 pub mod curved;
 mod edge_pixels;
+mod field;
 mod flight_status;
 mod halt;
 mod illumination;
