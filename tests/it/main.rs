@@ -46,6 +46,7 @@ mod pictures {
     mod lensed_images;
     mod machines;
     mod spacetimes;
+    mod spinning;
 }
 
 mod files {

@@ -388,8 +388,8 @@ fn overrides_change_the_scene() {
     assert_eq!(baked.materials[0].albedo(), glam::Vec3::new(0.1, 0.2, 0.3));
 }
 
-fn load_with_hole(path: &Path, hole: [f64; 4]) -> Result<Baked, SceneError> {
-    scene::load_with(path, &LoadOptions { black_hole: Some(hole), ..LoadOptions::default() })
+fn load_with_hole(path: &Path, [x, y, z, radius]: [f64; 4]) -> Result<Baked, SceneError> {
+    scene::load_with(path, &LoadOptions { black_hole: Some([x, y, z, radius, 0.0]), ..LoadOptions::default() })
 }
 
 #[test]
