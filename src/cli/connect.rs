@@ -14,7 +14,7 @@ use super::rowwise::{RowWise, Setup, cell};
 use super::table::{Header, line};
 use super::units::{decimal, plural};
 use crate::spacetime::Entry;
-use crate::study::connections::{Fault, Input, Joiner, Joint, Joints, Pair};
+use crate::study::connections::{Joiner, Joint, Joints, Pair};
 
 /// Columns of the points of a pair; copied, as those of the spacetime.
 const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
@@ -152,16 +152,9 @@ impl RowWise for Job {
     }
 
     fn answer(&self, task: &Task) -> Result<Joints, Failure> {
-        let refuse = |fault: Fault| {
-            let columns = match fault.input {
-                Input::Parameter(column) => &format!("column `{column}`"),
-                Input::X => "columns `x0`, `x1`, `x2`",
-                Input::Y => "columns `y0`, `y1`, `y2`",
-                Input::Both => "columns `x0` to `y2`",
-            };
-            self.header.at(line(&task.row), columns, &fault.cause).help(fault.remedy)
-        };
-        self.joiner.join(&task.pair, self.max_winding).map_err(refuse)
+        self.joiner
+            .join(&task.pair, self.max_winding)
+            .map_err(|error| self.header.refuse(line(&task.row), &error))
     }
 
     fn write(&mut self, task: &Task, joints: &Joints, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {

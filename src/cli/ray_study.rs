@@ -60,7 +60,7 @@ pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome
 
     let meter = Meter::new(args.meter.progress, "following rays", "runs");
     let measured = measure::run(TableRays::new(&cases, settings, args.threads), args.rounds, meter);
-    let report = measured.map_err(|refusal| columns.refuse(lines[refusal.index], &refusal.fault))?;
+    let report = measured.map_err(|refusal| columns.header.refuse(lines[refusal.index], &refusal.fault))?;
     measure::publish(&report, files, &format!(" on {}", plural(cases.len(), "ray", "rays")))
 }
 
@@ -71,7 +71,7 @@ fn case(columns: &Columns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord)
         Some(places) => given(columns, places, row)?,
         None => {
             let exact =
-                Exact::followed(spacetime, &ray).map_err(|fault| columns.refuse(line(row), &fault))?;
+                Exact::followed(spacetime, &ray).map_err(|fault| columns.header.refuse(line(row), &fault))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());
                 return Err(columns.header.at(line(row), "the ray", &cause).help("take the row out"));

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::failure::Failure;
 use super::table::Header;
 use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
-use crate::study::free::{Fault, FreeRay, Input};
+use crate::study::free::FreeRay;
 
 /// Reads `--spacetime`: a name from the table of all.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
@@ -128,17 +128,5 @@ impl Columns {
             r_out: ray[6],
         };
         Ok((spacetime, ray))
-    }
-
-    /// Failure for a line whose ray cannot be followed.
-    pub(super) fn refuse(&self, line: u64, fault: &Fault) -> Failure {
-        let column = match fault.input {
-            Input::Parameter(column) => &format!("column `{column}`"),
-            Input::Start => "columns `x0`, `y0`, `z0`",
-            Input::Direction => "columns `dx0`, `dy0`, `dz0`",
-            Input::Sphere => "column `r_out`",
-            Input::Stepper => "--stepper",
-        };
-        self.header.at(line, column, &fault.cause).help(&fault.remedy)
     }
 }

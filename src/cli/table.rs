@@ -9,6 +9,7 @@ use csv::{ByteRecord, ReaderBuilder, Trim};
 use super::failure::Failure;
 use super::units::plural;
 use crate::asset::Files;
+use crate::study::input_error::{Input, InputError};
 use crate::trace::Progress;
 
 /// Rows in memory at a time.
@@ -135,6 +136,21 @@ impl Header {
             self.at(line(row), &format!("column `{name}`"), &cause)
                 .help("give a finite number, such as 0.5 or 1e-3")
         })
+    }
+
+    /// Failure of a line whose ray cannot be followed, or whose points cannot be joined.
+    pub(super) fn refuse(&self, line: u64, error: &InputError) -> Failure {
+        let place = match error.input {
+            Input::Parameter(column) => &format!("column `{column}`"),
+            Input::Start => "columns `x0`, `y0`, `z0`",
+            Input::Direction => "columns `dx0`, `dy0`, `dz0`",
+            Input::Sphere => "column `r_out`",
+            Input::Stepper => "--stepper",
+            Input::X => "columns `x0`, `x1`, `x2`",
+            Input::Y => "columns `y0`, `y1`, `y2`",
+            Input::Both => "columns `x0` to `y2`",
+        };
+        self.at(line, place, &error.cause).help(&error.remedy)
     }
 
     /// Failure in a line.

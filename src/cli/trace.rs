@@ -69,7 +69,8 @@ impl RowWise for Job {
 
     fn answer(&self, row: &ByteRecord) -> Result<Exit, Failure> {
         let (spacetime, ray) = self.columns.ray(row)?;
-        free::trace(spacetime, &ray, &self.accuracy).map_err(|fault| self.columns.refuse(line(row), &fault))
+        free::trace(spacetime, &ray, &self.accuracy)
+            .map_err(|fault| self.columns.header.refuse(line(row), &fault))
     }
 
     fn write(&mut self, row: &ByteRecord, exit: &Exit, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
+use super::input_error::{Input, InputError};
 use crate::geodesic::{Connection, Lens};
 use crate::math::cross_exact;
 use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
@@ -57,31 +58,6 @@ pub struct Joints {
     pub hidden: usize,
 }
 
-/// Error: there are no rays between two points.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{cause}")]
-pub struct Fault {
-    /// Input at fault.
-    pub input: Input,
-    /// Problem, in words.
-    pub cause: String,
-    /// Remedy.
-    pub remedy: String,
-}
-
-/// Something that describes a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// The parameter of the spacetime that tables have in this column.
-    Parameter(&'static str),
-    /// The point x.
-    X,
-    /// The point y.
-    Y,
-    /// Position of the points relative to each other.
-    Both,
-}
-
 /// Shortest and longest length whose powers are numbers.
 const LENGTHS: [f64; 2] = [1e-70, 1e70];
 /// Sine of an angle, or a distance relative to those from the hole, that is no more than rounding.
@@ -113,7 +89,7 @@ impl Joiner {
     ///
     /// # Errors
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
-    pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, Fault> {
+    pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, InputError> {
         let Pair { spacetime, x, y } = *pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
@@ -121,19 +97,19 @@ impl Joiner {
                 return Ok(());
             }
             let remedy = format!("give a length above 0, from {least:e} to {most:e}{also}");
-            Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+            Err(InputError { input, cause: format!("{what} is {length}"), remedy })
         };
         length(Input::Both, "the distance between the points", x.distance(y), "")?;
         let same = x.distance(y) <= ROUNDING * x.length().max(y.length());
         if same {
             let cause = "the points are the same to rounding".to_owned();
-            return Err(Fault { input: Input::Both, cause, remedy: "give two points".to_owned() });
+            return Err(InputError { input: Input::Both, cause, remedy: "give two points".to_owned() });
         }
         let spin = cross_exact::cross(x, y).length();
         for (parameter, value) in spacetime.parameters() {
             let input = Input::Parameter(parameter.column);
             if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
-                return Err(Fault { input, cause, remedy });
+                return Err(InputError { input, cause, remedy });
             }
             if parameter.range == Range::Length {
                 length(input, parameter.noun, value, ", or 0 for flat space")?;
@@ -145,12 +121,12 @@ impl Joiner {
         let Some(lens) = self.lens(metric) else {
             let cause = format!("a spacetime of kind {} has no photon sphere", spacetime.entry().name);
             let remedy = "give another --spacetime".to_owned();
-            return Err(Fault { input: Input::Both, cause, remedy });
+            return Err(InputError { input: Input::Both, cause, remedy });
         };
         for (input, point) in [(Input::X, x), (Input::Y, y)] {
             let (rho, horizon) = (point.length() / unit, metric.horizon());
             if rho <= horizon * (1.0 + ROUNDING) {
-                return Err(Fault {
+                return Err(InputError {
                     input,
                     cause: format!(
                         "the point is at the isotropic radius {}, but the horizon is at {}",

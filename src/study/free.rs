@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
+use super::input_error::{Input, InputError};
 use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
@@ -121,33 +122,6 @@ pub struct Arrival {
     pub steps: u32,
 }
 
-/// Error: a ray cannot be followed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{cause}")]
-pub struct Fault {
-    /// Input at fault.
-    pub input: Input,
-    /// Problem, in words.
-    pub cause: String,
-    /// Remedy.
-    pub remedy: String,
-}
-
-/// Something that describes a ray and how it is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// The parameter of the spacetime that tables have in this column.
-    Parameter(&'static str),
-    /// The point where the ray starts.
-    Start,
-    /// Its direction.
-    Direction,
-    /// The radius of the sphere.
-    Sphere,
-    /// The stepper.
-    Stepper,
-}
-
 /// Distance from the sphere, relative to its radius, at which a start counts as on it.
 const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 
@@ -156,7 +130,7 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 ///
 /// # Errors
 /// If there is no such ray, or the stepper is the paper's.
-pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, Fault> {
+pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -164,7 +138,7 @@ pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Re
 ///
 /// # Errors
 /// As [`trace`].
-pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, Fault> {
+pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -198,7 +172,7 @@ impl Answer for Arrival {
     }
 }
 
-fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, Fault> {
+fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
@@ -218,7 +192,7 @@ struct Asker<'a, A> {
 }
 
 impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
-    type Output = Result<A, Fault>;
+    type Output = Result<A, InputError>;
 
     fn flat(self) -> Self::Output {
         Ok(A::straight(straight(self.x, self.ray)))
@@ -242,13 +216,13 @@ impl Accuracy {
     ///
     /// # Errors
     /// If the stepper is the paper's.
-    pub fn check(&self) -> Result<(), Fault> {
+    pub fn check(&self) -> Result<(), InputError> {
         if self.stepper == StepperKind::Rk4Paper { Err(no_orbits()) } else { Ok(()) }
     }
 }
 
-fn no_orbits() -> Fault {
-    Fault {
+fn no_orbits() -> InputError {
+    InputError {
         input: Input::Stepper,
         cause: "the stepper rk4-paper knows no tolerance and runs in renders only".to_owned(),
         remedy: "take another stepper, such as rkn6 or dop853".to_owned(),
@@ -269,30 +243,30 @@ impl Lengths {
         }
     }
 
-    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), Fault> {
+    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), InputError> {
         let Self { least, most } = *self;
         if (least..=most).contains(&length) {
             return Ok(());
         }
         let remedy = format!("give a length above 0, from {least:e} to {most:e}");
-        Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+        Err(InputError { input, cause: format!("{what} is {length}"), remedy })
     }
 
     /// Refuses values that a parameter of a spacetime may not have.
-    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), Fault> {
+    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), InputError> {
         let input = Input::Parameter(parameter.column);
         if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
-            return Err(Fault { input, cause, remedy });
+            return Err(InputError { input, cause, remedy });
         }
         if parameter.range != Range::Length {
             return Ok(());
         }
         self.check(input, parameter.noun, value)
-            .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })
+            .map_err(|fault| InputError { remedy: fault.remedy + ", or 0 for flat space", ..fault })
     }
 
     /// The start of `ray` relative to `center`.
-    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, Fault> {
+    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, InputError> {
         let x = ray.start - center;
         self.check(Input::Start, "the distance of the start from the centre", x.length())?;
         Ok(x)
@@ -306,7 +280,7 @@ fn curved<M: ConformallyFlat, A: Answer>(
     center: DVec3,
     ray: &FreeRay,
     accuracy: &Accuracy,
-) -> Result<A, Fault> {
+) -> Result<A, InputError> {
     let epsilon = match accuracy.precision {
         Precision::F32 => f32::EPSILON.into(),
         Precision::F64 => f64::EPSILON,
@@ -314,7 +288,7 @@ fn curved<M: ConformallyFlat, A: Answer>(
     let (rho, horizon) = (x.length(), medium.horizon());
     // As near to the horizon as a few roundings, the index is anything.
     if rho <= horizon * (1.0 + 4.0 * epsilon) {
-        return Err(Fault {
+        return Err(InputError {
             input: Input::Start,
             cause: format!("the ray starts at the isotropic radius {rho}, but the horizon is at {horizon}"),
             remedy: "start outside the horizon; the isotropic radius is not the areal one".to_owned(),

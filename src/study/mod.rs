@@ -12,6 +12,7 @@ pub mod estimate;
 mod fan;
 pub mod forecast;
 pub mod free;
+pub mod input_error;
 pub(crate) mod light_sampling;
 pub mod noise;
 mod pareto;

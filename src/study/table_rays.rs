@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::errors::{Spread, angle, median};
-use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
+use super::free::{self, Accuracy, Arrival, FreeRay, Status};
+use super::input_error::InputError;
 use super::report::Report;
 use super::rounds::Study;
 use super::table::{NONE, Row, percent, scientific};
@@ -98,7 +99,7 @@ pub struct Refusal {
     /// Which one.
     pub index: usize,
     /// Fault of the ray.
-    pub fault: Fault,
+    pub fault: InputError,
 }
 
 /// Accuracy with which rays are followed whose ends are not known.
@@ -116,7 +117,7 @@ impl Exact {
     ///
     /// # Errors
     /// As [`free::trace`].
-    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, Fault> {
+    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, InputError> {
         let exit = free::trace(spacetime, ray, &EXACT)?;
         let crossing = exit.crossing.map(|crossing| Crossing {
             position: crossing.position,
