@@ -7,14 +7,14 @@ use csv::ByteRecord;
 use glam::DVec3;
 
 use super::args::ConnectArgs;
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
 use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup};
-use super::table::{Header, line};
+use super::table::{TableHeader, line};
 use super::units::{decimal, plural};
 use crate::spacetime::Entry;
-use crate::study::connections::{Joiner, Joint, Joints, Pair};
+use crate::study::connections::{Joiner, Joint, Joints, PointPair};
 use crate::study::table::number_cell;
 
 /// Columns of the points of a pair; copied, as those of the spacetime.
@@ -38,7 +38,7 @@ const RESULTS: [&str; 14] = [
 ];
 
 /// Finds the rays that join the points of every pair of a table.
-pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &ConnectArgs) -> Result<Completion, Failure> {
     let setup = Setup {
         input: &args.pairs,
         what: ["pair of points", "pairs"],
@@ -47,42 +47,42 @@ pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
         progress: args.meter.progress,
         strict: args.strict,
     };
-    setup.run(|header| Job::new(header, args.spacetime, args.max_winding))
+    setup.run(|header| ConnectJob::new(header, args.spacetime, args.max_winding))
 }
 
 /// A pair, and the row in which it came.
 struct Task {
     row: ByteRecord,
     label: Vec<u8>,
-    pair: Pair,
+    pair: PointPair,
 }
 
 /// Counts of pairs and connections so far.
 #[derive(Default)]
-struct Counts {
+struct ConnectionCounts {
     pairs: usize,
     connections: usize,
     hidden: usize,
 }
 
-struct Job {
+struct ConnectJob {
     joiner: Joiner,
     max_winding: u32,
-    header: Header,
+    header: TableHeader,
     spacetime: Parameters,
     /// Columns of labels, if there are any, and of inputs.
     pair: Option<usize>,
     kind: Option<usize>,
     inputs: Vec<(&'static str, usize)>,
     /// Line and inputs of the labels that have been met.
-    met: HashMap<Vec<u8>, (u64, Pair)>,
+    met: HashMap<Vec<u8>, (u64, PointPair)>,
     /// Rows read.
     rows: u64,
-    counts: Counts,
+    counts: ConnectionCounts,
 }
 
-impl Job {
-    fn new(header: &Header, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
+impl ConnectJob {
+    fn new(header: &TableHeader, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
         let spacetime = Parameters::find(header, spacetime, &POINTS)?;
         let points = header.all(&POINTS)?;
         Ok(Self {
@@ -95,12 +95,12 @@ impl Job {
             header: header.clone(),
             met: HashMap::new(),
             rows: 0,
-            counts: Counts::default(),
+            counts: ConnectionCounts::default(),
         })
     }
 
     /// Looks up a label, and adds it if it is new: true if a pair of this label has been met before.
-    fn is_known(&mut self, label: &[u8], line: u64, inputs: Pair) -> Result<bool, Failure> {
+    fn is_known(&mut self, label: &[u8], line: u64, inputs: PointPair) -> Result<bool, Failure> {
         match self.met.get(label) {
             None => {
                 self.met.insert(label.to_owned(), (line, inputs));
@@ -116,7 +116,7 @@ impl Job {
     }
 }
 
-impl RowWise for Job {
+impl RowWise for ConnectJob {
     type Task = Task;
     type Answer = Joints;
 
@@ -138,7 +138,7 @@ impl RowWise for Job {
         }
         let spacetime = self.spacetime.of(&self.header, &row)?;
         let pair =
-            Pair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
+            PointPair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
         let label = match self.pair {
             Some(place) => {
                 let label = row.get(place).unwrap_or_default();
@@ -173,7 +173,7 @@ impl RowWise for Job {
     }
 
     fn summary(&self, seconds: f64) -> String {
-        let Counts { pairs, connections, hidden } = self.counts;
+        let ConnectionCounts { pairs, connections, hidden } = self.counts;
         let lost = if hidden > 0 { format!(" ({hidden} hidden by rounding)") } else { String::new() };
         format!(
             "{}: {}{lost}; {seconds:.2} s, {} pairs/s",

@@ -7,15 +7,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::args::StudyArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::measure::{self, distinct_or};
-use super::outcome::Outcome;
 use super::overwrite;
-use super::prefixed::Files;
+use super::prefixed::StudyFiles;
 use super::progress::Meter;
 use super::rays_table::RayColumns;
 use super::shared_args::distinct;
-use super::table::{Table, line};
+use super::table::{InputTable, line};
 use super::units::plural;
 use crate::study::free::{Form, FreeRayEnd, SphereCrossing};
 use crate::study::table_rays::{Case, Exact, TableRays};
@@ -27,7 +27,7 @@ const TOLERANCES: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1
 type Ends = [&'static str; 8];
 
 /// Studies the rays of a table.
-pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &StudyArgs, rays: &Path, files: StudyFiles) -> Result<Completion, Failure> {
     let form = Form::of(args.spacetime);
     for &stepper in &args.steppers {
         form.check(stepper)
@@ -39,7 +39,7 @@ pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome
     measure::check_some(&settings)?;
 
     overwrite::refuse(files.paths(), &[rays.to_owned()])?;
-    let mut table = Table::open(rays, "ray")?;
+    let mut table = InputTable::open(rays, "ray")?;
     let columns = RayColumns::find(&table.header, args.spacetime)?;
     let [x, y, z, dx, dy, dz, sens] = form.crossing;
     let names: Ends = ["status", x, y, z, dx, dy, dz, sens];

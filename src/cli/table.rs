@@ -16,14 +16,14 @@ use crate::trace::Progress;
 const CHUNK: usize = 8192;
 
 /// A table, being read.
-pub(super) struct Table {
+pub(super) struct InputTable {
     reader: csv::Reader<File>,
     /// Bytes.
     size: u64,
-    pub(super) header: Header,
+    pub(super) header: TableHeader,
 }
 
-impl Table {
+impl InputTable {
     /// Opens a table that has a `what` per row, as a remedy calls it.
     pub(super) fn open(path: &Path, what: &'static str) -> Result<Self, Failure> {
         let name = path.display().to_string();
@@ -32,12 +32,12 @@ impl Table {
         let size = file.metadata().map_err(unreadable)?.len();
         let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
         let names = reader.byte_headers().map_err(|error| explain(&name, what, &error))?.clone();
-        Ok(Self { reader, size, header: Header { table: name, what, names } })
+        Ok(Self { reader, size, header: TableHeader { table: name, what, names } })
     }
 
     /// The next rows; none at the end.
     pub(super) fn chunk(&mut self) -> Result<Vec<ByteRecord>, Failure> {
-        let Header { table, what, .. } = &self.header;
+        let TableHeader { table, what, .. } = &self.header;
         let rows = self.reader.byte_records().take(CHUNK);
         rows.map(|row| row.map_err(|error| explain(table, what, &error))).collect()
     }
@@ -73,14 +73,14 @@ pub(super) fn line(row: &ByteRecord) -> u64 {
 
 /// The name of a table and those of its columns.
 #[derive(Clone)]
-pub(super) struct Header {
+pub(super) struct TableHeader {
     table: String,
     /// Name of what a row holds.
     what: &'static str,
     names: ByteRecord,
 }
 
-impl Header {
+impl TableHeader {
     /// Index of the column `name`, if there is one.
     pub(super) fn place(&self, name: &str) -> Result<Option<usize>, Failure> {
         let mut places = self.names.iter().enumerate().filter(|(_, found)| *found == name.as_bytes());

@@ -5,8 +5,8 @@ use std::io::Write;
 use csv::ByteRecord;
 
 use super::args::TraceArgs;
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
 use super::rays_table::RayColumns;
 use super::rowwise::{RowWise, Setup};
 use super::table::line;
@@ -15,7 +15,7 @@ use crate::scene::flag_name;
 use crate::study::free::{Accuracy, Form, FreeRayEnd, Traced};
 
 /// Follows the rays of a table and writes how they end.
-pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &TraceArgs) -> Result<Completion, Failure> {
     let form = Form::of(args.spacetime);
     let accuracy = args.accuracy(form.stepper);
     form.check(accuracy.stepper).map_err(|error| Failure::new(error.cause).help(error.remedy))?;

@@ -6,7 +6,7 @@ use crate::spacetime::{ConformallyFlat, Fate};
 
 /// End of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End<R> {
+pub enum OrbitEnd<R> {
     /// It crosses the sphere outwards in this phase, having swept this angle.
     Crosses(Phase<R>, R),
     /// It falls through the horizon before.
@@ -23,7 +23,7 @@ pub enum End<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Journey<R> {
     /// End of the ray.
-    pub end: End<R>,
+    pub end: OrbitEnd<R>,
     /// Inverse radius of the point nearest to the centre, if the ray passes one.
     pub periastron: Option<R>,
     /// Steps tried.
@@ -49,7 +49,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     let mut swept = zero;
     let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
     let mut previous = R::of(1.0);
-    let mut journey = Journey { end: End::StepLimit, periastron: None, steps: 0 };
+    let mut journey = Journey { end: OrbitEnd::StepLimit, periastron: None, steps: 0 };
     let mut take = |step: &Step<R>, swept: &mut R| {
         each(step);
         *swept = *swept + angle(step);
@@ -58,10 +58,10 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     while journey.steps < MAX_STEPS {
         let inwards = phase.v > zero;
         if inwards && fate == Fate::Falls {
-            return Journey { end: End::Falls, ..journey };
+            return Journey { end: OrbitEnd::Falls, ..journey };
         }
         if !inwards && phase.w < out {
-            return Journey { end: End::Misses, ..journey };
+            return Journey { end: OrbitEnd::Misses, ..journey };
         }
         journey.steps += 1;
         // Where a step ends is free: its length carries no derivative.
@@ -70,7 +70,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         if !verdict.accepted {
             // A step that has vanished, or a state that is no longer finite.
             if verdict.next_h.value() < f64::from(f32::MIN_POSITIVE) || !phase.w.value().is_finite() {
-                return Journey { end: End::NonFinite, ..journey };
+                return Journey { end: OrbitEnd::NonFinite, ..journey };
             }
             h = verdict.next_h;
             continue;
@@ -85,14 +85,14 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
             if inwards {
                 journey.periastron = Some(phase.w);
             } else {
-                return Journey { end: End::Falls, ..journey };
+                return Journey { end: OrbitEnd::Falls, ..journey };
             }
         } else if !inwards && step.end.w <= out {
             let mut exit = cut(&|step| (step.end.w - out, step.end.v * step.cos * step.cos));
             // Beside a far sphere's inverse radius the rounding of the step is not small.
             exit.end.w = out;
             phase = take(&exit, &mut swept);
-            return Journey { end: End::Crosses(phase, swept), ..journey };
+            return Journey { end: OrbitEnd::Crosses(phase, swept), ..journey };
         } else {
             phase = take(&step, &mut swept);
         }

@@ -31,7 +31,7 @@ pub struct Lights {
 }
 
 /// A light that was chosen, and the probability of the choice.
-pub(super) enum Choice<'a> {
+pub(super) enum ChosenLight<'a> {
     /// A surface.
     Surface(&'a Emitter, f64),
     /// A punctual light in the world, with its index.
@@ -135,25 +135,25 @@ impl Lights {
     }
 
     /// A light for `receiver`, from a number in [0, 1); `None` if none that was looked at can contribute.
-    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<Choice<'_>> {
+    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenLight<'_>> {
         let [in_world, distant, sky] = self.shares();
         if u < in_world {
             let (index, pmf, _) = self.tree.sample(receiver.position, Some(receiver.normal), u / in_world)?;
             let pmf = in_world * pmf;
             return Some(match self.emitters.get(index as usize) {
-                Some(emitter) => Choice::Surface(emitter, pmf),
+                Some(emitter) => ChosenLight::Surface(emitter, pmf),
                 None => {
                     let point = index - self.emitters.len() as u32;
-                    Choice::Point(&self.points[point as usize], point, pmf)
+                    ChosenLight::Point(&self.points[point as usize], point, pmf)
                 }
             });
         }
         if u < in_world + distant {
             let count = self.distant.len();
             let index = (((u - in_world) / distant * count as f64) as usize).min(count - 1);
-            return Some(Choice::Distant(&self.distant[index], count as f64 / distant));
+            return Some(ChosenLight::Distant(&self.distant[index], count as f64 / distant));
         }
-        Some(Choice::Sky(self.sky.as_ref()?, sky))
+        Some(ChosenLight::Sky(self.sky.as_ref()?, sky))
     }
 
     /// The emitter that a primitive is, with its index.

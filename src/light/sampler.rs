@@ -12,20 +12,21 @@ use glam::DVec3;
 
 use super::aim::{Aim, Link};
 use super::emitter::{Emitter, Standpoint, View};
-use super::lights::{Choice, Lights};
+use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightSample, Target};
 use super::sky::Sky;
 use crate::geometry::PrimitiveId;
 
-/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be generic
-/// over aims.
+/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
+/// generic over aims.
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
 
-    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an emitter.
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an
+    /// emitter.
     fn surface_density(
         &self,
         lights: &Lights,
@@ -34,8 +35,8 @@ pub trait LightSampler: Send + Sync {
         hit: &EmitterHit,
     ) -> f64;
 
-    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity in
-    /// the direction `at_infinity`.
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity
+    /// in the direction `at_infinity`.
     fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64;
 
     /// True if a light ray that lands at `position` on `primitive` has reached its target.
@@ -47,10 +48,10 @@ impl<A: Aim> LightSampler for A {
         let choice = lights.choose(receiver, u0)?;
         let x = self.place(receiver.position);
         match choice {
-            Choice::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
-            Choice::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
-            Choice::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
-            Choice::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
+            ChosenLight::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
+            ChosenLight::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
+            ChosenLight::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
+            ChosenLight::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
         }
     }
 

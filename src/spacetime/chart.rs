@@ -40,15 +40,15 @@ pub struct Chart {
 const HORIZON_MARGIN: f64 = 1e-6;
 
 impl Chart {
-    /// A chart for geometry whose points have isotropic radii up to `farthest`, and at least `nearest`, as what else rays are
-    /// to be followed to.
+    /// A chart for geometry whose points have isotropic radii up to `farthest`, and at least `nearest`, as what else
+    /// rays are to be followed to.
     pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64) -> Self {
         let innermost = Self::innermost(medium);
         Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }
     }
 
-    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0, where
-    /// the photon sphere tells the scale.
+    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0,
+    /// where the photon sphere tells the scale.
     pub fn innermost<M: ConformallyFlat>(medium: &M) -> f64 {
         (medium.horizon() * (1.0 + HORIZON_MARGIN)).max(HORIZON_MARGIN * medium.photon_sphere())
     }

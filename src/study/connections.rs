@@ -13,7 +13,7 @@ use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct PointPair {
     /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
     /// One point, isotropic coordinates.
@@ -37,8 +37,8 @@ pub struct Joint {
     pub arrival: DVec3,
     /// Coordinate time, in the unit of length.
     pub time: f64,
-    /// G_xy: solid angle at x over the proper area at y perpendicular to the ray, both of observers at rest. Infinite in
-    /// the ring of rays between opposite points.
+    /// G_xy: solid angle at x over the proper area at y perpendicular to the ray, both of observers at rest. Infinite
+    /// in the ring of rays between opposite points.
     pub spread: f64,
     /// G_yx: the same the other way.
     pub reversed_spread: f64,
@@ -86,14 +86,15 @@ impl Joiner {
 
     /// The rays between the points of `pair` of winding orders up to `max_winding`.
     ///
-    /// Points on a line through the hole, to rounding, are joined by the radial ray if they are on the same side of it, and
-    /// otherwise by a ring of rays that sweep π, for which one stands; rings that wind farther are left out, and so is all
-    /// but the straight ray in flat space.
+    /// Points on a line through the hole, to rounding, are joined by the radial ray if they are on the same side of it,
+    /// and otherwise by a ring of rays that sweep π, for which one stands; rings that wind farther are left out, and so
+    /// is all but the straight ray in flat space.
     ///
     /// # Errors
-    /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
-    pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, InputError> {
-        let Pair { spacetime, x, y } = *pair;
+    /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can
+    /// hold.
+    pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
+        let PointPair { spacetime, x, y } = *pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {

@@ -67,7 +67,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
         let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
         let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
-        let place = Place { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
+        let place = CenteredMedium { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),
             Precision::F64 => place.run::<f64, E>(scene, visitor),
@@ -76,7 +76,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 }
 
 /// A spacetime in its place.
-struct Place<M> {
+struct CenteredMedium<M> {
     medium: M,
     center: DVec3,
     /// True if the directions of escaped rays at infinity matter.
@@ -84,7 +84,7 @@ struct Place<M> {
     chart: Chart,
 }
 
-impl<M: ConformallyFlat> Place<M> {
+impl<M: ConformallyFlat> CenteredMedium<M> {
     fn run<R: Lane, E: TransportVisitor>(&self, scene: &Baked, visitor: E) -> E::Output {
         match self.curved::<R>(scene) {
             Some(curved) => visitor.run(curved),

@@ -6,7 +6,7 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
     EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
-    Straight, Target,
+    StraightAim, Target,
 };
 use crate::scene::{Baked, LightSampling};
 
@@ -54,7 +54,7 @@ impl Illumination {
         }
         let straight = settings.light_sampling == LightSampling::Straight;
         let sampler: Box<dyn LightSampler> =
-            if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
+            if straight { Box::new(StraightAim) } else { Box::new(transport.aim(settings.max_winding)?) };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
@@ -100,8 +100,8 @@ impl Illumination {
         Some(LightSample { direction, target, light })
     }
 
-    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
-    /// normal there), or at infinity in the unit `direction` of travel.
+    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with
+    /// the normal there), or at infinity in the unit `direction` of travel.
     pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
         let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);

@@ -256,7 +256,7 @@ mod tests {
         type Scratch = ();
         type Carried = Side;
 
-        type Aim = crate::light::Straight;
+        type Aim = crate::light::StraightAim;
 
         fn aim(&self, _: u32) -> Option<Self::Aim> {
             None

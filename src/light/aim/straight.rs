@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Aim, Approach, Link};
 
 /// Straight rays.
-pub struct Straight;
+pub struct StraightAim;
 
 /// An end of a straight ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct StraightPlace {
     is_infinite: bool,
 }
 
-impl Aim for Straight {
+impl Aim for StraightAim {
     type Place = StraightPlace;
 
     fn place(&self, x: DVec3) -> StraightPlace {
@@ -56,7 +56,7 @@ impl Aim for Straight {
     }
 
     fn is_reached(&self, _: DVec3, _: DVec3) -> bool {
-        // What a straight ray meets twice it leaves on the side that is not lit.
+        // A surface that a straight ray meets twice it leaves on the side that is not lit.
         true
     }
 

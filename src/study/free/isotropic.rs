@@ -10,7 +10,7 @@ use super::super::table::number_cell;
 use super::form::other_chart;
 use super::lengths::Lengths;
 use super::{Accuracy, Arrival, Cells, Form, FreeRayEnd, SphereCrossing, Traced};
-use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
+use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
@@ -60,7 +60,7 @@ pub struct FreeRay {
 /// A ray, followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
-    /// FreeRayEnd at its end.
+    /// Status at its end.
     pub status: FreeRayEnd,
     /// Crossing of the sphere, if it escaped.
     pub crossing: Option<Crossing>,
@@ -281,15 +281,15 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         if on_sphere { self.launch.w } else { 1.0 / self.ray.r_out }
     }
 
-    fn status<R>(&self, end: &End<R>) -> FreeRayEnd {
+    fn status<R>(&self, end: &OrbitEnd<R>) -> FreeRayEnd {
         match end {
-            End::Crosses(..) => FreeRayEnd::Escaped,
-            End::Falls => FreeRayEnd::Captured,
+            OrbitEnd::Crosses(..) => FreeRayEnd::Escaped,
+            OrbitEnd::Falls => FreeRayEnd::Captured,
             // It is beyond the sphere, but comes back.
-            End::Misses if self.launch.fate == Fate::Falls => FreeRayEnd::Captured,
-            End::Misses => FreeRayEnd::Missed,
-            End::StepLimit => FreeRayEnd::StepLimit,
-            End::NonFinite => FreeRayEnd::NonFinite,
+            OrbitEnd::Misses if self.launch.fate == Fate::Falls => FreeRayEnd::Captured,
+            OrbitEnd::Misses => FreeRayEnd::Missed,
+            OrbitEnd::StepLimit => FreeRayEnd::StepLimit,
+            OrbitEnd::NonFinite => FreeRayEnd::NonFinite,
         }
     }
 
@@ -301,7 +301,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         let orbit = (R::of(launch.b), start, launch.fate);
         let journey = follow(*medium, stepper, &control, orbit, w_out, |_| {});
         let crossing = match &journey.end {
-            End::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
+            OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
             _ => None,
         };
         Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
@@ -325,7 +325,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             time += elapsed(*medium, stepper, step);
         });
         let crossing = match journey.end {
-            End::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
+            OrbitEnd::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
             _ => None,
         };
         let critical = medium.critical_impact_parameter();

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::flight::{CurvedFlight, Lane, Turn};
+use super::flight::{CurvedFlight, FlightStatus, Lane};
 use super::rays::Curved;
 use crate::geodesic::{Launch, Phase};
 use crate::geometry::PrimitiveId;
@@ -12,7 +12,7 @@ use crate::spacetime::ConformallyFlat;
 
 columns! {
     /// Start of a ray.
-    pub struct Place => PlaceBlock {
+    pub struct LaunchPoint => LaunchPointBlock {
         /// World position.
         position: DVec3,
         /// Unit direction in the static frame.
@@ -37,12 +37,12 @@ impl<'a, M: ConformallyFlat, R: Lane> Launching<'a, M, R> {
 }
 
 impl<M: ConformallyFlat, R: Lane> Kernel for Launching<'_, M, R> {
-    type A = Place;
+    type A = LaunchPoint;
     type B = ();
     type Out = CurvedFlight<R>;
 
     #[inline(always)]
-    fn run(&self, start: &Place, (): &()) -> CurvedFlight<R> {
+    fn run(&self, start: &LaunchPoint, (): &()) -> CurvedFlight<R> {
         let Self { curved: Curved { medium, center, control, .. }, order } = self;
         let position = start.position - center;
         let Launch { radial, along, b, w, v, fate } =
@@ -62,7 +62,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Launching<'_, M, R> {
             fate,
             origin_prim: start.origin_prim,
             steps: 0,
-            turn: Turn::Flies,
+            status: FlightStatus::Flies,
         }
     }
 }

@@ -13,42 +13,42 @@ use glam::DVec3;
 
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
-use crate::geodesic::{Arc, End};
+use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::Lensed;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::ConformallyFlat;
 use commit_step::Committing;
-use flight::Turn;
+use flight::FlightStatus;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
 use land_on_arc::ArcLandings;
-use launch::{Launching, Place};
+use launch::{LaunchPoint, Launching};
 pub use rays::Curved;
 use span::Span;
 
 impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
-        match next.turn {
-            Turn::Flies => Outcome::Flying(*next),
-            Turn::Leaves if !self.sky => Outcome::Escaped(next.direction()),
-            Turn::Leaves => self.direction_at_infinity(next),
-            Turn::Falls => Outcome::Captured,
-            Turn::StepLimit => Outcome::StepLimit,
-            Turn::NonFinite => Outcome::NonFinite,
+        match next.status {
+            FlightStatus::Flies => Outcome::Flying(*next),
+            FlightStatus::Leaves if !self.sky => Outcome::Escaped(next.direction()),
+            FlightStatus::Leaves => self.direction_at_infinity(next),
+            FlightStatus::Falls => Outcome::Captured,
+            FlightStatus::StepLimit => Outcome::StepLimit,
+            FlightStatus::NonFinite => Outcome::NonFinite,
         }
     }
 
     /// The direction at infinity of a ray that meets nothing more.
     fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
-            End::Crosses(_, swept) => {
+            OrbitEnd::Crosses(_, swept) => {
                 let (sin, cos) = libm::sincos(swept.value());
                 Outcome::Escaped((cos * flight.radial + sin * flight.along).normalize())
             }
-            End::StepLimit => Outcome::StepLimit,
-            End::Falls | End::Misses | End::NonFinite => Outcome::NonFinite,
+            OrbitEnd::StepLimit => Outcome::StepLimit,
+            OrbitEnd::Falls | OrbitEnd::Misses | OrbitEnd::NonFinite => Outcome::NonFinite,
         }
     }
 
@@ -68,9 +68,9 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct Asking<'a, M, R>(&'a Curved<M, R>);
+struct CurvedQueries<'a, M, R>(&'a Curved<M, R>);
 
-impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane> Kernel for CurvedQueries<'_, M, R> {
     type A = CurvedFlight<R>;
     type B = CurvedMove<R>;
     type Out = Query<Arc>;
@@ -88,7 +88,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Asking<'_, M, R> {
 /// Buffers that a wavefront of curved rays keeps from round to round.
 #[derive(Default)]
 pub struct Scratch<R: Lane> {
-    starts: Columns<Place>,
+    starts: Columns<LaunchPoint>,
     launched: Columns<CurvedFlight<R>>,
     on_rays: RayLandings<Span<R>>,
     on_arcs: ArcLandings,
@@ -107,7 +107,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     }
 
     fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&Place { position, direction, origin_prim }, &())
+        Launching::of(self).run(&LaunchPoint { position, direction, origin_prim }, &())
     }
 
     fn launch_all(
@@ -120,7 +120,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         let lanes = starts.len();
         places.gather(lanes, |i| {
             let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            Place { position, direction, origin_prim }
+            LaunchPoint { position, direction, origin_prim }
         });
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
@@ -147,7 +147,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         moves: &[<Self::Move as Row>::Block],
         queries: &mut [<Query<Arc> as Row>::Block],
     ) {
-        map(&Asking(self), flights, moves, queries);
+        map(&CurvedQueries(self), flights, moves, queries);
     }
 
     #[inline(always)]
@@ -205,7 +205,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
-            if flights.get(lane).turn != Turn::Flies && found.is_none() {
+            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());
             }
         }

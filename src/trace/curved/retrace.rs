@@ -7,7 +7,7 @@ use super::rays::Curved;
 use super::span::Span;
 use crate::math::columns::Row;
 use crate::spacetime::ConformallyFlat;
-use crate::trace::land_on_ray::{Part, Pose, Retrace};
+use crate::trace::land_on_ray::{PartialStep, Pose, Retrace};
 
 impl<M: ConformallyFlat, R: Lane> Retrace for Curved<M, R> {
     type Span = Span<R>;
@@ -37,14 +37,14 @@ impl<M: ConformallyFlat, R: Lane> Retrace for Curved<M, R> {
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 1.0 }
     }
 
-    fn pose(&self, span: &Span<R>, part: &Part) -> Pose {
+    fn pose(&self, span: &Span<R>, part: &PartialStep) -> Pose {
         self.march.pose(span, part)
     }
 
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        parts: &[<Part as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
         self.march.pose_all(spans, parts, poses);

@@ -5,15 +5,15 @@ use glam::DVec3;
 use super::super::job::Job;
 use super::super::path::Path;
 use super::super::vertex::Vertex;
-use super::deposit::{Emitter, Source, deposit};
+use super::deposit::{EmitterId, LightSource, deposit};
 use super::light::share;
 use crate::scene::Background;
 
-/// Adds what a path sees in the unit `direction` at infinity, less what light sampling finds; a camera ray sees nothing of
-/// a transparent background.
+/// Adds what a path sees in the unit `direction` at infinity, less what light sampling finds; a camera ray sees nothing
+/// of a transparent background.
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
-    let source = Source { emitter: Emitter::Infinity, segments: path.depth };
+    let source = LightSource { emitter: EmitterId::Infinity, segments: path.depth };
     let sees_through = source.segments == 1 && job.settings.background == Background::Transparent;
     if !sees_through && !job.scene.environment.is_black() {
         let throughput = path.throughput;

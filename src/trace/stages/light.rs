@@ -7,7 +7,7 @@ use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
-use super::deposit::{Emitter, Source, deposit};
+use super::deposit::{EmitterId, LightSource, deposit};
 use super::draw::Draw;
 use super::meet::meet;
 use crate::geometry::{Found, Segment};
@@ -76,7 +76,7 @@ pub fn propose(
 
 /// State of a light ray after a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress<Flight> {
+pub enum LightRayProgress<Flight> {
     /// It flies on.
     Flying(Flight),
     /// It ended: at its target or not.
@@ -95,9 +95,9 @@ pub fn settle<T: Transport>(
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
-) -> (Progress<T::Flight>, T::Carried) {
+) -> (LightRayProgress<T::Flight>, T::Carried) {
     if passes_its_light(illumination, transport, (flight, step, found), vertex) {
-        return (Progress::Ended(true), T::Carried::default());
+        return (LightRayProgress::Ended(true), T::Carried::default());
     }
     let geometry = lands_exactly(vertex).then_some(&job.scene.geometry);
     let (outcome, carried) = transport.settle(geometry, flight, step, found);
@@ -129,21 +129,23 @@ pub fn conclude<Flight>(
     illumination: &Illumination,
     vertex: &Vertex,
     outcome: Outcome<Flight>,
-) -> Progress<Flight> {
+) -> LightRayProgress<Flight> {
     let after_specular = vertex.target == Target::ThroughSpecular;
     match outcome {
-        Outcome::Flying(next) => Progress::Flying(next),
-        Outcome::Landed(landing) if after_specular => Progress::Landed(landing),
-        Outcome::Escaped(direction) if after_specular => Progress::Escaped(direction),
-        Outcome::Landed(landing) => Progress::Ended(illumination.reaches(vertex.target, &landing)),
-        // What a ray that leaves was aimed at without passing it lies beyond all geometry.
-        Outcome::Escaped(_) => Progress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_))),
-        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Progress::Ended(false),
+        Outcome::Flying(next) => LightRayProgress::Flying(next),
+        Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
+        Outcome::Escaped(direction) if after_specular => LightRayProgress::Escaped(direction),
+        Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
+        // A target that a leaving ray was aimed at and did not pass lies beyond all geometry.
+        Outcome::Escaped(_) => {
+            LightRayProgress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_)))
+        }
+        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => LightRayProgress::Ended(false),
     }
 }
 
-/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in which
-/// it goes on, or `None` if it ends.
+/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in
+/// which it goes on, or `None` if it ends.
 #[inline]
 pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;
@@ -152,7 +154,7 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {
-        let source = Source { emitter: Emitter::Surface(meeting.primitive), segments: vertex.depth };
+        let source = LightSource { emitter: EmitterId::Surface(meeting.primitive), segments: vertex.depth };
         deposit(path, source, || vertex.brings * material.emission);
     }
     if !material.is_specular() || vertex.depth >= job.settings.max_depth {
@@ -171,7 +173,7 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
     if vertex.after_specular && !job.scene.environment.is_black() {
-        let source = Source { emitter: Emitter::Infinity, segments: vertex.depth };
+        let source = LightSource { emitter: EmitterId::Infinity, segments: vertex.depth };
         deposit(path, source, || vertex.brings * job.scene.environment.radiance(direction));
     }
 }

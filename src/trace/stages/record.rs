@@ -1,8 +1,8 @@
 //! Records of the camera ray's end and of its path's march steps, for the planes that were asked for.
 
-use super::super::fate::Fate;
 use super::super::job::Job;
 use super::super::path::Path;
+use super::super::ray_end::RayEnd;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use crate::film::CameraRay;
@@ -17,7 +17,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
     }
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
-        fate: Fate::Hit,
+        fate: RayEnd::Hit,
         length: ray.length,
         position: landing.position,
         normal: surface.shading_normal,
@@ -28,12 +28,12 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
 
 /// Records how a camera ray ended that meets nothing.
 #[inline]
-pub fn record_end(job: &Job, path: &Path, fate: Fate, samples: &mut Samples) {
+pub fn record_end(job: &Job, path: &Path, fate: RayEnd, samples: &mut Samples) {
     if path.depth > 1 {
         return;
     }
     let is_backed = job.settings.background == Background::Opaque && !job.scene.environment.is_black();
-    samples.covered[path.slot as usize] = fate != Fate::Escaped || is_backed;
+    samples.covered[path.slot as usize] = fate != RayEnd::Escaped || is_backed;
     if samples.needs().camera_ray {
         samples.camera_rays[path.slot as usize].fate = fate;
     }
