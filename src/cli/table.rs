@@ -145,6 +145,7 @@ impl TableHeader {
             Input::Columns(columns) => &named(columns),
             Input::Spacetime => "--spacetime",
             Input::Stepper => "--stepper",
+            Input::Precision => "--precision",
             Input::Both => "columns `x0` to `y2`",
         };
         self.at(line, place, &error.cause).help(&error.remedy)

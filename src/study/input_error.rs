@@ -23,6 +23,8 @@ pub enum Input {
     Spacetime,
     /// The stepper.
     Stepper,
+    /// Numbers that the ray is followed in.
+    Precision,
     /// Position of a pair's points relative to each other.
     Both,
 }

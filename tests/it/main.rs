@@ -9,6 +9,7 @@ mod geodesics {
     mod extremes;
     mod geodesic_reference;
     mod gradient_index;
+    mod kerr;
     mod schwarzschild_rays;
     mod spacetimes;
     mod steppers;
@@ -64,6 +65,7 @@ mod commands {
     mod reading;
     mod study;
     mod trace;
+    mod trace_spinning;
 }
 
 mod project {
