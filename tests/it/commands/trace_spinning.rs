@@ -96,8 +96,12 @@ fn the_schwarzschild_radius_of_a_spinning_hole_is_its_scale() {
         let [one, other] = [0, 1].map(|row: usize| rows[row].number(column));
         assert!((other - scale * one).abs() < 1e-12 * other.abs(), "{column}: {one}, {other}");
     };
-    ["x1", "y1", "z1", "t", "Lz", "r_turn"].map(|column| close(column, 7.0));
-    ["px1", "py1", "pz1", "sens"].map(|column| close(column, 1.0));
+    for column in ["x1", "y1", "z1", "t", "Lz", "r_turn"] {
+        close(column, 7.0);
+    }
+    for column in ["px1", "py1", "pz1", "sens"] {
+        close(column, 1.0);
+    }
     close("Q", 49.0);
 }
 
