@@ -71,7 +71,7 @@ fn case(columns: &RayColumns, ends: Option<(Ends, [usize; 8])>, row: &ByteRecord
     let exact = match ends {
         Some(ends) => given(columns, ends, row)?,
         None => {
-            let exact = Exact::followed(form, spacetime, &ray)
+            let exact = Exact::followed(form, &spacetime, &ray)
                 .map_err(|error| columns.header.refuse(line(row), &error))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());

@@ -69,7 +69,7 @@ impl RowWise for TraceJob {
     fn answer(&self, row: &ByteRecord) -> Result<Traced, Failure> {
         let RayColumns { header, form, .. } = &self.columns;
         let (spacetime, ray) = self.columns.ray(row)?;
-        (form.trace)(spacetime, &ray, &self.accuracy).map_err(|error| header.refuse(line(row), &error))
+        (form.trace)(&spacetime, &ray, &self.accuracy).map_err(|error| header.refuse(line(row), &error))
     }
 
     fn write(

@@ -42,7 +42,11 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
     check_outside_horizon(&world, &camera)?;
     let (punctual, hidden) = lights(&mut world)?;
-    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
+    world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
+    if matches!(world.spacetime, SpacetimeKind::Indexed(_)) && !punctual.is_empty() {
+        let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
+        world.warnings.push(what.to_owned());
+    }
     warn_if_dark(&mut world, &primitives, &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
@@ -52,9 +56,9 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         );
     }
     let aspect = world.settings.aspect();
-    world.notes.extend(advice::of_hole(world.spacetime, &camera, aspect, &boxes));
+    world.notes.extend(advice::of_holes(&world.spacetime, &camera, aspect, &boxes));
     Ok(Baked {
-        spacetime: world.spacetime,
+        spacetime: world.spacetime.clone(),
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry: Geometry::build(primitives),
@@ -227,8 +231,14 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
                 "the camera is in the ergosphere, where nothing can be at rest: {distance} from the hole's center"
             )
         }
+        SpacetimeKind::Indexed(_) => "the camera is at the horizon of a hole".to_owned(),
     };
-    let help = "move the camera away, or use a smaller schwarzschild_radius";
+    let help = match world.spacetime {
+        SpacetimeKind::Indexed(_) => "move the camera away",
+        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Spinning { .. } => {
+            "move the camera away, or use a smaller schwarzschild_radius"
+        }
+    };
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),
         None => Err(Fault::whole(problem, help)),

@@ -105,7 +105,7 @@ impl Exact {
     ///
     /// # Errors
     /// As [`Form::trace`].
-    pub fn followed(form: &Form, spacetime: SpacetimeKind, ray: &Cells) -> Result<Self, InputError> {
+    pub fn followed(form: &Form, spacetime: &SpacetimeKind, ray: &Cells) -> Result<Self, InputError> {
         let Traced { status, crossing, .. } = (form.trace)(spacetime, ray, &EXACT)?;
         Ok(Self { status, crossing })
     }
@@ -189,7 +189,7 @@ impl<'a> TableRays<'a> {
 
     fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, TableRayError> {
         let arrive = |(index, case): (usize, &Case)| {
-            (self.form.arrive)(case.spacetime, &case.ray, accuracy)
+            (self.form.arrive)(&case.spacetime, &case.ray, accuracy)
                 .map_err(|fault| TableRayError { index, fault })
         };
         self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
@@ -201,7 +201,7 @@ impl<'a> TableRays<'a> {
         self.install(|| {
             (0..rays).into_par_iter().with_min_len(GRAIN).for_each(|index| {
                 let case = &self.cases[index % self.cases.len()];
-                let _ = black_box((self.form.arrive)(case.spacetime, &case.ray, accuracy));
+                let _ = black_box((self.form.arrive)(&case.spacetime, &case.ray, accuracy));
             });
         });
         started.elapsed().as_secs_f64()

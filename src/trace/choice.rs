@@ -2,15 +2,18 @@
 
 use glam::DVec3;
 
+use super::arc_sweep::ArcSweep;
 use super::curved::march::march;
 use super::curved::{Curved, Lane};
+use super::field::FieldTransport;
 use super::paper::PaperMarch;
+use super::spinning::Spinning;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
-use crate::geodesic::{Arc, Control};
+use crate::geodesic::Control;
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
-use crate::spacetime::{Chart, ConformallyFlat, KerrNewman, Placement, SpacetimeVisitor};
+use crate::spacetime::{Chart, ConformallyFlat, IndexField, KerrNewman, Placement, SpacetimeVisitor};
 
 /// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
@@ -42,6 +45,11 @@ pub fn with_transport_to<E: TransportVisitor>(scene: &Baked, core: f64, sky: boo
     scene.spacetime.visit(Choice { scene, core, sky, visitor })
 }
 
+/// Positions of punctual lights: nothing tells a light ray that it has passed one that it was not followed to.
+fn positions(scene: &Baked) -> impl Iterator<Item = DVec3> {
+    scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position)
+}
+
 /// The choice that [`with_transport_to`] makes, a family of spacetimes each.
 struct Choice<'a, E> {
     scene: &'a Baked,
@@ -57,16 +65,23 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         self.visitor.run(Straight::new(self.scene.geometry.bounds()))
     }
 
-    fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {
-        self.flat()
+    fn spinning(self, placement: Placement, hole: KerrNewman) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        let lights = positions(scene).map(|light| light.distance(placement.center));
+        let core = lights.fold(core, f64::min);
+        visitor.run(Spinning::new(scene, (placement, hole), core, sky))
+    }
+
+    fn indexed<F: IndexField>(self, field: &F) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        visitor.run(FieldTransport::new(scene, field, core, sky))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-        // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
-        let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
-        let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
+        let lights = positions(scene).map(|light| light.distance(center));
+        let nearest = lights.fold(nearest.min(core), f64::min);
         let place = CenteredMedium { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),
@@ -95,7 +110,6 @@ impl<M: ConformallyFlat> CenteredMedium<M> {
     /// Rays on orbits; `None` if the stepper knows none.
     fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
         let arc_tolerance = scene.arc_tolerance_around(self.center);
-        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
         let outer = R::of(self.chart.outer);
         Some(Curved {
@@ -107,18 +121,7 @@ impl<M: ConformallyFlat> CenteredMedium<M> {
             center: self.center,
             sky: self.sky,
             chart: self.chart,
-            longest_sagitta: if scene.geometry.is_small::<Arc>() {
-                f64::INFINITY
-            } else {
-                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
-            },
-            longest_chord: CHORD * low.distance(high),
-            bounds: (low, high),
+            sweep: ArcSweep::new(scene, arc_tolerance),
         })
     }
 }
-
-/// Longest chord of a searched arc, relative to the diagonal of the geometry.
-const CHORD: f64 = 8.0;
-/// Largest sagitta of a searched arc, relative to the median primitive.
-const SAGITTA: f64 = 1.0;

@@ -38,5 +38,5 @@ pub use photon::Photon;
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;
-pub use step::{SeriesControl, SeriesStep};
+pub use step::{SeriesControl, SeriesStep, dense_displacement};
 pub use time::elapsed;

@@ -6,7 +6,7 @@ use super::super::input_error::{Input, InputError};
 use super::{Accuracy, FreeRayEnd, isotropic, spinning};
 use crate::scene::{StepperKind, flag_name};
 use crate::spacetime::{
-    ConformallyFlat, Entry, KerrNewman, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Entry, IndexField, KerrNewman, Placement, Range, SpacetimeKind, SpacetimeVisitor,
 };
 
 /// Form of the tables of rays of a family of spacetimes.
@@ -24,9 +24,9 @@ pub struct Form {
     /// Stepper where none is asked for, if not that of the quality.
     pub stepper: Option<StepperKind>,
     /// Follows a ray for all columns that are found.
-    pub trace: fn(SpacetimeKind, &Cells, &Accuracy) -> Result<Traced, InputError>,
+    pub trace: fn(&SpacetimeKind, &Cells, &Accuracy) -> Result<Traced, InputError>,
     /// Follows a ray for its end only.
-    pub arrive: fn(SpacetimeKind, &Cells, &Accuracy) -> Result<Arrival, InputError>,
+    pub arrive: fn(&SpacetimeKind, &Cells, &Accuracy) -> Result<Arrival, InputError>,
 }
 
 /// Cells of a row that describe a ray.
@@ -131,6 +131,10 @@ impl SpacetimeVisitor for FormVisitor {
     }
 
     fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> &'static Form {
+        &isotropic::FORM
+    }
+
+    fn indexed<F: IndexField>(self, _: &F) -> &'static Form {
         &isotropic::FORM
     }
 

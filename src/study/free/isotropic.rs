@@ -15,7 +15,9 @@ use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
-use crate::spacetime::{ConformallyFlat, Fate, KerrNewman, Placement, SpacetimeKind, SpacetimeVisitor};
+use crate::spacetime::{
+    ConformallyFlat, Fate, IndexField, KerrNewman, Placement, SpacetimeKind, SpacetimeVisitor,
+};
 use crate::trace::steppers::{UseStepper, with_stepper};
 
 /// Columns of a ray's start, of its direction, of any length, and of the isotropic radius of its sphere.
@@ -132,7 +134,7 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 ///
 /// # Errors
 /// If there is no such ray, or the stepper is the paper's.
-pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
+pub fn trace(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -140,7 +142,7 @@ pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Re
 ///
 /// # Errors
 /// As [`trace`].
-pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
+pub fn arrive(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -174,7 +176,7 @@ impl Answer for Arrival {
     }
 }
 
-fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
+fn answer<A: Answer>(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Columns(&DIRECTION), "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Columns(&SPHERE), "the radius of the sphere", ray.r_out)?;
@@ -201,6 +203,14 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output {
         curved(&medium, self.x, center, self.ray, self.accuracy)
+    }
+
+    fn indexed<F: IndexField>(self, _: &F) -> Self::Output {
+        Err(InputError {
+            input: Input::Spacetime,
+            cause: "rays among several holes run in renders only".to_owned(),
+            remedy: "give another --spacetime".to_owned(),
+        })
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {
@@ -411,7 +421,7 @@ mod tests {
         FreeRay { start: start.into(), direction: direction.into(), r_out }
     }
 
-    fn exit(spacetime: SpacetimeKind, ray: FreeRay) -> Exit {
+    fn exit(spacetime: &SpacetimeKind, ray: FreeRay) -> Exit {
         trace(spacetime, &ray, &ACCURACY).unwrap()
     }
 
@@ -432,7 +442,7 @@ mod tests {
             ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, FreeRayEnd::Captured),
         ];
         for (start, direction, r_out, status) in cases {
-            let found = exit(HOLE, ray(start, direction, r_out));
+            let found = exit(&HOLE, ray(start, direction, r_out));
             assert_eq!(found.status, status, "{start:?} {direction:?} {r_out}: {found:?}");
             assert_eq!(found.crossing.is_some(), status == FreeRayEnd::Escaped);
             let expected =
@@ -451,7 +461,7 @@ mod tests {
                 ([9.0, 0.0, 0.0], [1.0, 0.0, 0.0], 5.0),
             ] {
                 let (ray, accuracy) = (ray(start, direction, r_out), Accuracy { precision, ..ACCURACY });
-                for spacetime in [HOLE, SpacetimeKind::Flat] {
+                for spacetime in [&HOLE, &SpacetimeKind::Flat] {
                     let full = trace(spacetime, &ray, &accuracy).unwrap();
                     assert_eq!(arrive(spacetime, &ray, &accuracy).unwrap(), Arrival::straight(full));
                 }
@@ -465,7 +475,7 @@ mod tests {
             let start = DVec3::new(0.3, -1.7, 2.2);
             let ray = FreeRay { start, direction: DVec3::new(1.0, -3.0, 0.0), r_out: start.length() };
             let accuracy = Accuracy { precision, ..ACCURACY };
-            for spacetime in [HOLE, SpacetimeKind::Flat] {
+            for spacetime in [&HOLE, &SpacetimeKind::Flat] {
                 let end = trace(spacetime, &ray, &accuracy).unwrap().crossing.unwrap();
                 assert!(
                     end.position.distance(start) < 1e-6 && end.time < 1e-6 && end.swept < 1e-6,
@@ -487,7 +497,7 @@ mod tests {
             ray([3.0, 1.0, -12.0], [-0.3, 0.2, -1.3], 7.0),
         ];
         for ray in cases {
-            let (line, orbit) = (exit(SpacetimeKind::Flat, ray), exit(small, ray));
+            let (line, orbit) = (exit(&SpacetimeKind::Flat, ray), exit(&small, ray));
             assert_eq!(line.status, orbit.status);
             let close =
                 |a: f64, b: f64| assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{line:?} {orbit:?}");
@@ -507,8 +517,8 @@ mod tests {
         let center = DVec3::new(4.0, -8.0, 2.0);
         let ray = ray([3.0, 1.0, -2.0], [-3.0, 2.5, 0.0], 7.0);
         let there = SpacetimeKind::black_hole(center, 1.0);
-        let moved = exit(there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
-        let here = exit(HOLE, ray).crossing.unwrap();
+        let moved = exit(&there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
+        let here = exit(&HOLE, ray).crossing.unwrap();
         assert_eq!(moved, Crossing { position: here.position + center, ..here });
     }
 
@@ -517,7 +527,7 @@ mod tests {
         let ray = ray([6.0, 0.0, 0.0], [-1.0, 0.5, 0.0], 20.0);
         let end = |turn: f64| {
             let direction = DVec3::new(-1.0, 0.5, 0.0).rotate_z(turn);
-            exit(HOLE, FreeRay { direction, ..ray }).crossing.unwrap()
+            exit(&HOLE, FreeRay { direction, ..ray }).crossing.unwrap()
         };
         let (middle, before, after) = (end(0.0), end(-1e-6), end(1e-6));
         let turned = before.position.angle_between(after.position) / 2e-6;
@@ -540,12 +550,12 @@ mod tests {
             (FreeRay { r_out: f64::NAN, ..good }, Input::Columns(&SPHERE)),
         ];
         for (ray, input) in cases {
-            assert_eq!(trace(HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
+            assert_eq!(trace(&HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
         }
         let anti = SpacetimeKind::black_hole(DVec3::ZERO, -1.0);
-        assert_eq!(trace(anti, &good, &ACCURACY).unwrap_err().input, Input::Parameter("rs"));
+        assert_eq!(trace(&anti, &good, &ACCURACY).unwrap_err().input, Input::Parameter("rs"));
         let paper = Accuracy { stepper: StepperKind::Rk4Paper, ..ACCURACY };
-        assert_eq!(trace(HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
+        assert_eq!(trace(&HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
     }
 
     #[test]
@@ -558,7 +568,7 @@ mod tests {
                 {
                     for r_out in [1.0 / huge, 0.2, 1.0, huge] {
                         let ray = ray([start, 0.0, 0.0], direction, r_out);
-                        let end = trace(HOLE, &ray, &accuracy).unwrap();
+                        let end = trace(&HOLE, &ray, &accuracy).unwrap();
                         let finite =
                             end.crossing.is_none_or(|c| c.position.is_finite() && c.time.is_finite());
                         assert!(finite, "{ray:?} {precision:?}: {end:?}");

@@ -29,7 +29,7 @@ impl Lengths {
     }
 
     /// Refuses values that the parameters of a spacetime may not have.
-    pub(super) fn check_parameters(&self, spacetime: SpacetimeKind) -> Result<(), InputError> {
+    pub(super) fn check_parameters(&self, spacetime: &SpacetimeKind) -> Result<(), InputError> {
         for (parameter, value) in spacetime.parameters() {
             let input = Input::Parameter(parameter.column);
             if let Some((cause, remedy)) = parameter.out_of_bounds(value) {

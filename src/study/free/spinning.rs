@@ -63,7 +63,7 @@ const ANGLES: [f64; 2] = [1e-5, 1e-13];
 const LARGEST_DIFFERENCE: f64 = 1e-3;
 
 impl PhotonRay {
-    fn new(spacetime: SpacetimeKind, cells: &Cells, accuracy: &Accuracy) -> Result<Self, InputError> {
+    fn new(spacetime: &SpacetimeKind, cells: &Cells, accuracy: &Accuracy) -> Result<Self, InputError> {
         FORM.check(accuracy.stepper)?;
         if accuracy.precision == Precision::F32 {
             return Err(InputError {
@@ -210,7 +210,7 @@ fn largest_singular(a: DVec3, b: DVec3) -> f64 {
 }
 
 /// The hole of a spinning spacetime whose parameters may be together.
-fn spinning_hole(spacetime: SpacetimeKind) -> Result<KerrNewman, InputError> {
+fn spinning_hole(spacetime: &SpacetimeKind) -> Result<KerrNewman, InputError> {
     let SpacetimeKind::Spinning { hole, .. } = spacetime else {
         return Err(InputError {
             input: Input::Parameter("rs"),
@@ -221,6 +221,6 @@ fn spinning_hole(spacetime: SpacetimeKind) -> Result<KerrNewman, InputError> {
     let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
     match spacetime.entry().conflict(&values) {
         Some((cause, remedy)) => Err(InputError { input: Input::Columns(&["a", "q"]), cause, remedy }),
-        None => Ok(hole),
+        None => Ok(*hole),
     }
 }

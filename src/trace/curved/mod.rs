@@ -2,7 +2,6 @@
 
 mod commit_step;
 mod flight;
-mod land_on_arc;
 mod launch;
 pub mod march;
 mod rays;
@@ -11,7 +10,10 @@ mod span;
 
 use glam::DVec3;
 
+use super::flight_status::FlightStatus;
+use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
+use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
@@ -20,10 +22,8 @@ use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::ConformallyFlat;
 use commit_step::Committing;
-use flight::FlightStatus;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
-use land_on_arc::ArcLandings;
-use launch::{LaunchPoint, Launching};
+use launch::Launching;
 pub use rays::Curved;
 use span::Span;
 
@@ -62,7 +62,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
     ) -> Landing {
         match geometry {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
-            _ => self.land_on_arc(flight, step, found),
+            _ => land_on_arc(&self.arc(flight, step), found),
         }
     }
 }
@@ -78,8 +78,8 @@ impl<M: ConformallyFlat, R: Lane> Kernel for CurvedQueries<'_, M, R> {
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
         let segment = self.0.arc(flight, step);
-        let whole = if self.0.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = self.0.is_searched(flight, step) & self.0.may_meet(&segment);
+        let whole = if self.0.sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
+        let may = self.0.is_searched(flight, step) & self.0.sweep.may_meet(&segment);
         let need = if may { whole } else { Need::Nothing };
         Query { segment, origin_prim: flight.origin_prim, need }
     }
@@ -106,8 +106,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         Lensed::new(self.medium, self.center, max_winding)
     }
 
-    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&LaunchPoint { position, direction, origin_prim }, &())
+    fn launch(&self, start: &Start) -> CurvedFlight<R> {
+        Launching::of(self).run(&(*start).into(), &())
     }
 
     fn launch_all(
@@ -118,10 +118,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     ) {
         let Scratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
-        places.gather(lanes, |i| {
-            let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            LaunchPoint { position, direction, origin_prim }
-        });
+        places.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {
@@ -160,7 +157,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         if !self.is_searched(flight, step) {
             return None;
         }
-        self.sweep(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
+        self.sweep.search(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
     }
 
     #[inline(always)]
@@ -195,9 +192,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
             let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
             hits.push((lane, found));
         }
-        self.land_all_on_arcs(flights, moves, on_arcs, |lane, landing| {
-            end(lane, Outcome::Landed(landing), ())
-        });
+        let arc = |lane| self.arc(&flights.get(lane), &moves.get(lane));
+        land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
         land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {
             end(lane, Outcome::Landed(landing), ());
         });

@@ -427,7 +427,7 @@ fn momentum_and_velocity_in_the_chart_are_those_of_the_state() {
             assert!(null.abs() < 1e-12 * size * size, "a = {a}: {null:e}");
             // dX/dτ = p − F w N; the state's is in λ, times u².
             let sigma = r * r + a * a * n.z * n.z;
-            let velocity = state.motion(&hole, &constants).0 * (r * r / sigma);
+            let velocity = state.motion(&hole, &constants)[0] * (r * r / sigma);
             let exact = again.p - f * w * n;
             assert!(velocity.distance(exact) < 1e-11 * size, "a = {a}: {velocity} for {exact}");
         }
