@@ -10,6 +10,7 @@ mod geodesics {
     mod fields;
     mod geodesic_reference;
     mod gradient_index;
+    mod kerr;
     mod schwarzschild_rays;
     mod spacetimes;
     mod steppers;
@@ -67,6 +68,7 @@ mod commands {
     mod reading;
     mod study;
     mod trace;
+    mod trace_spinning;
 }
 
 mod project {
