@@ -389,7 +389,10 @@ fn overrides_change_the_scene() {
 }
 
 fn load_with_hole(path: &Path, [x, y, z, radius]: [f64; 4]) -> Result<Baked, SceneError> {
-    scene::load_with(path, &LoadOptions { black_hole: Some([x, y, z, radius, 0.0]), ..LoadOptions::default() })
+    scene::load_with(
+        path,
+        &LoadOptions { black_hole: Some([x, y, z, radius, 0.0]), ..LoadOptions::default() },
+    )
 }
 
 #[test]

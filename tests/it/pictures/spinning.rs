@@ -97,10 +97,10 @@ fn areal(rho: f64) -> f64 {
 fn without_spin_the_picture_is_schwarzschilds_at_the_areal_radius() {
     let picture = |kind: &str, radius: fn(f64) -> f64| {
         let text = format!("[spacetime]\nkind = \"{kind}\"\nschwarzschild_radius = 2\n")
-            + &(if kind == "kerr" { "spin = 0\n" } else { "" }).to_owned()
+            + (if kind == "kerr" { "spin = 0\n" } else { "" })
             + &camera(DVec3::new(0.0, 0.0, radius(6.0)), DVec3::new(0.0, 0.3, 0.0), 80.0)
             + &film(48, 48)
-            + "filter = \"box\"\n[render]\nspp = 1\nmax_depth = 1\ntolerance = 1e-9\narc_tolerance = 1e-6\n"
+            + "[render]\nspp = 1\nmax_depth = 1\ntolerance = 1e-9\narc_tolerance = 1e-6\n"
             + "[environment]\nkind = \"sky\"\n"
             + &material("ball", 0.0, 0.25)
             + &sphere(DVec3::ZERO, radius(2.5), "ball");
