@@ -1,8 +1,8 @@
 //! Rays followed where nothing is in the way, from any start to a sphere around the centre of the spacetime, as tables
 //! have them.
 //!
-//! A family of spacetimes has one file with its [`Form`]: the columns that describe a ray, those that are found, and how
-//! a ray is followed; and one line in [`Form::of`].
+//! A family of spacetimes has one file with its [`TableForm`]: the columns that describe a ray, those that are found, and how
+//! a ray is followed; and one line in [`TableForm::of`].
 
 mod accuracy;
 mod form;
@@ -12,5 +12,5 @@ mod spinning;
 mod status;
 
 pub use accuracy::Accuracy;
-pub use form::{Arrival, Cells, Form, SphereCrossing, Traced};
+pub use form::{Arrival, Cells, SphereCrossing, TableForm, Traced};
 pub use status::FreeRayEnd;
