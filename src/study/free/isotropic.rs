@@ -7,8 +7,8 @@ use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
 use super::super::table::number_cell;
-use super::form::other_chart;
 use super::lengths::Lengths;
+use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
@@ -25,7 +25,7 @@ const START: [&str; 3] = ["x0", "y0", "z0"];
 const DIRECTION: [&str; 3] = ["dx0", "dy0", "dz0"];
 const SPHERE: [&str; 1] = ["r_out"];
 
-/// TableForm of the tables.
+/// Form of the tables.
 pub(super) static FORM: TableForm = TableForm {
     needed: &["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"],
     optional: &[],

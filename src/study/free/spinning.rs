@@ -19,7 +19,7 @@ const START: [&str; 3] = ["x0", "y0", "z0"];
 const MOMENTUM: [&str; 3] = ["px0", "py0", "pz0"];
 const SPHERE: [&str; 1] = ["r_out"];
 
-/// TableForm of the tables.
+/// Form of the tables.
 pub(super) static FORM: TableForm = TableForm {
     needed: &["x0", "y0", "z0", "px0", "py0", "pz0", "r_out"],
     optional: &[],

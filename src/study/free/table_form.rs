@@ -9,7 +9,7 @@ use crate::spacetime::{
     ConformallyFlat, Entry, IndexField, KerrNewman, Placement, Range, SpacetimeKind, SpacetimeVisitor,
 };
 
-/// TableForm of the tables of rays of a family of spacetimes.
+/// Form of the tables of rays of a family of spacetimes.
 pub struct TableForm {
     /// Columns that describe a ray and that every table has; the last is the radius of the sphere.
     pub needed: &'static [&'static str],
@@ -81,7 +81,7 @@ impl Cells {
 }
 
 impl TableForm {
-    /// TableForm of the tables of a spacetime's rays.
+    /// Form of the tables of a spacetime's rays.
     pub fn of(entry: &Entry) -> &'static Self {
         // The parameters do not change the family, but for a length of 0.
         let values = entry.parameters.iter().map(|parameter| match parameter.range {
