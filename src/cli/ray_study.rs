@@ -17,7 +17,7 @@ use super::rays_table::RayColumns;
 use super::shared_args::distinct;
 use super::table::{InputTable, line};
 use super::units::plural;
-use crate::study::free::{Form, FreeRayEnd, SphereCrossing};
+use crate::study::free::{FreeRayEnd, SphereCrossing, TableForm};
 use crate::study::table_rays::{Case, Exact, TableRays};
 use crate::study::way::grid;
 
@@ -28,7 +28,7 @@ type Ends = [&'static str; 8];
 
 /// Studies the rays of a table.
 pub(super) fn run(args: &StudyArgs, rays: &Path, files: StudyFiles) -> Result<Completion, Failure> {
-    let form = Form::of(args.spacetime);
+    let form = TableForm::of(args.spacetime);
     for &stepper in &args.steppers {
         form.check(stepper)
             .map_err(|error| Failure::new(format!("--steppers: {}", error.cause)).help(error.remedy))?;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::failure::Failure;
 use super::table::TableHeader;
 use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
-use crate::study::free::{Cells, Form};
+use crate::study::free::{Cells, TableForm};
 
 /// Reads `--spacetime`: a name from the table of all.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
@@ -86,17 +86,17 @@ const LABELS: [&str; 2] = ["id", "kind"];
 pub(super) struct RayColumns {
     pub(super) header: TableHeader,
     pub(super) spacetime: Parameters,
-    pub(super) form: &'static Form,
+    pub(super) form: &'static TableForm,
     /// Those that are copied: labels, then numbers.
     all: Vec<(&'static str, usize)>,
-    /// Places of the columns that describe a ray: [`Form::needed`], and [`Form::optional`] where there are any.
+    /// Places of the columns that describe a ray: [`TableForm::needed`], and [`TableForm::optional`] where there are any.
     needed: Vec<(&'static str, usize)>,
     optional: Vec<(&'static str, Option<usize>)>,
 }
 
 impl RayColumns {
     pub(super) fn find(header: &TableHeader, spacetime: &'static Entry) -> Result<Self, Failure> {
-        let form = Form::of(spacetime);
+        let form = TableForm::of(spacetime);
         let mut all = Vec::new();
         for label in LABELS {
             all.extend(header.place(label)?.map(|place| (label, place)));

@@ -12,11 +12,11 @@ use super::rowwise::{RowWise, Setup};
 use super::table::line;
 use super::units::{decimal, plural};
 use crate::scene::flag_name;
-use crate::study::free::{Accuracy, Form, FreeRayEnd, Traced};
+use crate::study::free::{Accuracy, FreeRayEnd, TableForm, Traced};
 
 /// Follows the rays of a table and writes how they end.
 pub(super) fn run(args: &TraceArgs) -> Result<Completion, Failure> {
-    let form = Form::of(args.spacetime);
+    let form = TableForm::of(args.spacetime);
     let accuracy = args.accuracy(form.stepper);
     form.check(accuracy.stepper).map_err(|error| Failure::new(error.cause).help(error.remedy))?;
     let setup = Setup {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::errors::{Spread, angle, median};
-use super::free::{Accuracy, Arrival, Cells, Form, FreeRayEnd, SphereCrossing, Traced};
+use super::free::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use super::input_error::InputError;
 use super::report::Report;
 use super::rounds::Study;
@@ -104,8 +104,8 @@ impl Exact {
     /// The end of `ray` as the most exact stepper finds it.
     ///
     /// # Errors
-    /// As [`Form::trace`].
-    pub fn followed(form: &Form, spacetime: &SpacetimeKind, ray: &Cells) -> Result<Self, InputError> {
+    /// As [`TableForm::trace`].
+    pub fn followed(form: &TableForm, spacetime: &SpacetimeKind, ray: &Cells) -> Result<Self, InputError> {
         let Traced { status, crossing, .. } = (form.trace)(spacetime, ray, &EXACT)?;
         Ok(Self { status, crossing })
     }
@@ -113,7 +113,7 @@ impl Exact {
 
 /// Rays that are followed in all settings.
 pub struct TableRays<'a> {
-    form: &'static Form,
+    form: &'static TableForm,
     cases: &'a [Case],
     settings: Vec<Accuracy>,
     /// Without one, rayon's own.
@@ -174,7 +174,7 @@ impl Study for TableRays<'_> {
 
 impl<'a> TableRays<'a> {
     /// A study of `settings` on `cases` of a form; 0 `threads` means one per core.
-    pub fn new(form: &'static Form, cases: &'a [Case], settings: Vec<Accuracy>, threads: usize) -> Self {
+    pub fn new(form: &'static TableForm, cases: &'a [Case], settings: Vec<Accuracy>, threads: usize) -> Self {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok();
         let repeats = vec![1; settings.len()];
         Self { form, cases, settings, pool, found: Vec::new(), repeats }

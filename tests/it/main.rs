@@ -11,6 +11,8 @@ mod geodesics {
     mod geodesic_reference;
     mod gradient_index;
     mod kerr;
+    mod kerr_scenes;
+    mod kerr_tolerance;
     mod schwarzschild_rays;
     mod spacetimes;
     mod steppers;

@@ -1,14 +1,14 @@
 //! Photons followed by their Hamiltonian with DOP853: the independent check of the series.
 
 use super::hole::UnitHole;
-use super::photon::Photon;
+use super::photon::KerrPhoton;
 use crate::spacetime::Fate;
 
 /// End of a photon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhotonEnd {
     /// It crosses the spheroid outwards in this state.
-    Crosses(Photon),
+    Crosses(KerrPhoton),
     /// It falls through the horizon before.
     Falls,
     /// It leaves to infinity without ever crossing the spheroid outwards.
@@ -47,7 +47,7 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 /// photon that will fall is not followed inwards, and one that gets another is followed again, more accurately.
 pub fn follow_photon(
     hole: &UnitHole,
-    photon: Photon,
+    photon: KerrPhoton,
     fate: Option<Fate>,
     tolerance: f64,
     r_out: f64,
@@ -70,7 +70,7 @@ pub fn follow_photon(
 /// [`follow_photon`] with one tolerance.
 fn follow_once(
     hole: &UnitHole,
-    mut photon: Photon,
+    mut photon: KerrPhoton,
     fate: Option<Fate>,
     tolerance: f64,
     r_out: f64,
@@ -118,7 +118,7 @@ fn follow_once(
         if turns && rise < 0.0 {
             journey.periastron = Some(hole.spheroidal(next.x).0);
         }
-        let above = |photon: &Photon| hole.spheroidal(photon.x).0 - r_out;
+        let above = |photon: &KerrPhoton| hole.spheroidal(photon.x).0 - r_out;
         let (before, after) = (above(&photon), above(&next));
         if rise >= 0.0 && before <= ON_SPHERE * r_out && after > 0.0 {
             let exit = root(way, (before, after), |h| above(&photon.step(hole, h).0));

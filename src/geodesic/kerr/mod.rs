@@ -34,7 +34,7 @@ pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
 pub use launch::{Constants, KerrLaunch};
-pub use photon::Photon;
+pub use photon::KerrPhoton;
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;

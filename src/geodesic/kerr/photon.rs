@@ -15,7 +15,7 @@ use super::hole::UnitHole;
 
 /// A photon of energy 1 in the chart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Photon {
+pub struct KerrPhoton {
     /// Position.
     pub x: DVec3,
     /// Covariant momentum p_i.
@@ -27,7 +27,7 @@ pub struct Photon {
 /// x, p and t as one vector.
 type Vector = [[f64; 7]; 1];
 
-impl Photon {
+impl KerrPhoton {
     /// The future-directed photon at `x` whose covariant momentum has the direction of `p`; `None` in the ergosphere if
     /// its energy is not positive: then it falls.
     pub fn new(hole: &UnitHole, x: DVec3, p: DVec3) -> Option<Self> {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::hole::{UnitHole, about_axis};
 use super::launch::Constants;
-use super::photon::Photon;
+use super::photon::KerrPhoton;
 
 /// State of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,8 +42,8 @@ impl MinoState {
     }
 
     /// The photon in the chart, at time 0.
-    pub fn photon(&self, hole: &UnitHole, constants: &Constants) -> Photon {
-        Photon { x: hole.position(self.u, self.n), p: self.momentum(hole, constants), t: 0.0 }
+    pub fn photon(&self, hole: &UnitHole, constants: &Constants) -> KerrPhoton {
+        KerrPhoton { x: hole.position(self.u, self.n), p: self.momentum(hole, constants), t: 0.0 }
     }
 
     /// First and second derivatives of the position in the chart with respect to a parameter s with dλ = u² ds, in which

@@ -7,9 +7,9 @@ use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
 use super::super::table::number_cell;
-use super::form::other_chart;
 use super::lengths::Lengths;
-use super::{Accuracy, Arrival, Cells, Form, FreeRayEnd, SphereCrossing, Traced};
+use super::table_form::other_chart;
+use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
@@ -26,7 +26,7 @@ const DIRECTION: [&str; 3] = ["dx0", "dy0", "dz0"];
 const SPHERE: [&str; 1] = ["r_out"];
 
 /// Form of the tables.
-pub(super) static FORM: Form = Form {
+pub(super) static FORM: TableForm = TableForm {
     needed: &["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"],
     optional: &[],
     results: &[

@@ -5,9 +5,9 @@ use glam::DVec3;
 use super::super::input_error::{Input, InputError};
 use super::super::table::number_cell;
 use super::lengths::Lengths;
-use super::{Accuracy, Arrival, Cells, Form, FreeRayEnd, SphereCrossing, Traced};
+use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::kerr::{
-    KerrEnd, KerrLaunch, Photon, PhotonEnd, UnitHole, elapsed, follow, follow_photon,
+    KerrEnd, KerrLaunch, KerrPhoton, PhotonEnd, UnitHole, elapsed, follow, follow_photon,
 };
 use crate::math::frame;
 use crate::scene::{Precision, StepperKind};
@@ -20,7 +20,7 @@ const MOMENTUM: [&str; 3] = ["px0", "py0", "pz0"];
 const SPHERE: [&str; 1] = ["r_out"];
 
 /// Form of the tables.
-pub(super) static FORM: Form = Form {
+pub(super) static FORM: TableForm = TableForm {
     needed: &["x0", "y0", "z0", "px0", "py0", "pz0", "r_out"],
     optional: &[],
     results: &["x1", "y1", "z1", "px1", "py1", "pz1", "t", "Lz", "Q", "r_turn", "sens"],
@@ -44,7 +44,7 @@ struct PhotonRay {
 /// A ray, followed, in units of the hole's mass.
 struct Followed {
     status: FreeRayEnd,
-    crossing: Option<Photon>,
+    crossing: Option<KerrPhoton>,
     /// Lz and Q; `None` where the energy is not positive.
     constants: Option<[f64; 2]>,
     /// Least radius, if the ray passed one.
@@ -100,7 +100,7 @@ impl PhotonRay {
     /// Follows the ray whose momentum has the direction `direction`; with the coordinate time on request.
     fn follow(&self, direction: DVec3, accuracy: &Accuracy, with_time: bool) -> Followed {
         let Self { hole, x, r_out, .. } = self;
-        let Some(photon) = Photon::new(hole, *x, direction) else {
+        let Some(photon) = KerrPhoton::new(hole, *x, direction) else {
             return Followed {
                 status: FreeRayEnd::Captured,
                 crossing: None,
@@ -125,7 +125,9 @@ impl PhotonRay {
                 }
             });
             let end = match journey.end {
-                KerrEnd::Crosses(state) => PhotonEnd::Crosses(Photon { t, ..state.photon(hole, &constants) }),
+                KerrEnd::Crosses(state) => {
+                    PhotonEnd::Crosses(KerrPhoton { t, ..state.photon(hole, &constants) })
+                }
                 KerrEnd::Falls => PhotonEnd::Falls,
                 KerrEnd::Misses => PhotonEnd::Misses,
                 KerrEnd::StepLimit => PhotonEnd::StepLimit,
@@ -156,7 +158,7 @@ impl PhotonRay {
             self.follow(self.direction, accuracy, true);
         let sens = crossing.map(|_| self.sens());
         let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
-        let at = |value: fn(&Photon) -> f64| crossing.as_ref().map(value);
+        let at = |value: fn(&KerrPhoton) -> f64| crossing.as_ref().map(value);
         let cells = vec![
             cell(at(|photon| photon.x.x).map(|x| mass * x)),
             cell(at(|photon| photon.x.y).map(|y| mass * y)),

@@ -10,7 +10,7 @@ use crate::spacetime::{
 };
 
 /// Form of the tables of rays of a family of spacetimes.
-pub struct Form {
+pub struct TableForm {
     /// Columns that describe a ray and that every table has; the last is the radius of the sphere.
     pub needed: &'static [&'static str],
     /// Columns that describe a ray where a table has them; cells may be empty.
@@ -32,9 +32,9 @@ pub struct Form {
 /// Cells of a row that describe a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// Of the columns [`Form::needed`].
+    /// Of the columns [`TableForm::needed`].
     pub needed: Vec<f64>,
-    /// Of the columns [`Form::optional`]; `None` in an empty cell and without the column.
+    /// Of the columns [`TableForm::optional`]; `None` in an empty cell and without the column.
     pub optional: Vec<Option<f64>>,
 }
 
@@ -45,7 +45,7 @@ pub struct Traced {
     pub status: FreeRayEnd,
     /// State on the sphere, if it escaped.
     pub crossing: Option<SphereCrossing>,
-    /// Cells of the columns [`Form::results`]; numbers read back exactly.
+    /// Cells of the columns [`TableForm::results`]; numbers read back exactly.
     pub cells: Vec<String>,
     /// Steps tried.
     pub steps: u32,
@@ -80,7 +80,7 @@ impl Cells {
     }
 }
 
-impl Form {
+impl TableForm {
     /// Form of the tables of a spacetime's rays.
     pub fn of(entry: &Entry) -> &'static Self {
         // The parameters do not change the family, but for a length of 0.
@@ -124,21 +124,21 @@ pub(super) fn other_chart(coordinates: &str) -> InputError {
 struct FormVisitor;
 
 impl SpacetimeVisitor for FormVisitor {
-    type Output = &'static Form;
+    type Output = &'static TableForm;
 
-    fn flat(self) -> &'static Form {
+    fn flat(self) -> &'static TableForm {
         &isotropic::FORM
     }
 
-    fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> &'static Form {
+    fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> &'static TableForm {
         &isotropic::FORM
     }
 
-    fn indexed<F: IndexField>(self, _: &F) -> &'static Form {
+    fn indexed<F: IndexField>(self, _: &F) -> &'static TableForm {
         &isotropic::FORM
     }
 
-    fn spinning(self, _: Placement, _: KerrNewman) -> &'static Form {
+    fn spinning(self, _: Placement, _: KerrNewman) -> &'static TableForm {
         &spinning::FORM
     }
 }
