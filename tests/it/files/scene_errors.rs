@@ -415,3 +415,37 @@ fn arbitrary_text_never_panics() {
         let _ = load_text(&format!("{}\u{e9}{}", &GOOD[..cut], &GOOD[cut..]));
     }
 }
+
+#[test]
+fn things_at_rest_in_an_ergosphere_are_errors_that_name_them() {
+    let scene = |shape: &str, camera: &str| {
+        format!(
+            "[spacetime]\nkind = \"kerr\"\nschwarzschild_radius = 2\nspin = 0.9\n[camera]\nposition = {camera}\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+             [environment]\n[[material]]\nname = \"m\"\n[[entity]]\nname = \"thing\"\nmaterial = \"m\"\n{shape}\n"
+        )
+    };
+    let write = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).unwrap();
+        scene::load(&path, &[])
+    };
+    let far = "[0, 0, 9]";
+    for shape in [
+        "sphere = { center = [2, 0, 0], radius = 0.3 }",
+        "sphere = { center = [0, 0, 0], radius = 2.1 }",
+        "disk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 2, outer = 9 }",
+    ] {
+        let message = write(&scene(shape, far)).err().unwrap().to_string();
+        assert!(message.contains("ergosphere") && message.contains("thing"), "{message}");
+    }
+    let camera = write(&scene("sphere = { center = [9, 0, 0], radius = 1 }", "[2, 0, 0.3]"));
+    assert!(camera.err().unwrap().to_string().contains("ergosphere"));
+    for shape in [
+        "sphere = { center = [0, 0, 0], radius = 2.3 }",
+        "sphere = { center = [0, 1.9, 0], radius = 0.2 }",
+        "disk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 2.3, outer = 9 }",
+    ] {
+        assert!(write(&scene(shape, far)).is_ok(), "{shape}");
+    }
+}
