@@ -27,7 +27,7 @@ pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use field::{
     FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, at_infinity,
-    follow_field, lane, set_lane,
+    elapsed_in_field, follow_field, lane, set_lane,
 };
 pub use follow::{Journey, OrbitEnd, follow};
 pub use leapfrog4::Leapfrog4;

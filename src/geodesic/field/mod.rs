@@ -3,7 +3,9 @@
 mod control;
 mod follow;
 mod step;
+mod time;
 
 pub use control::{FieldControl, FieldVerdict};
 pub use follow::{FieldEnd, FieldJourney, at_infinity, follow_field};
 pub use step::{FieldRays, FieldStep, alone, lane, set_lane};
+pub use time::elapsed_in_field;
