@@ -95,7 +95,7 @@ impl FieldRay {
         let start = FieldRays::new(field, &alone(*x), &alone(direction));
         let each = |start: &FieldRays<1>, step: &FieldStep<1>, h: f64| {
             if let Some(time) = &mut time {
-                **time += elapsed_in_field(field, stepper, start, step, h);
+                **time += elapsed_in_field(field, start, step, h);
             }
         };
         follow_field(field, stepper, &control, start, (*center, *r_out), each)

@@ -1,6 +1,7 @@
 //! Rays in fields of refraction: several holes against exact rays and against one hole, lenses against their images.
 
-use crate::support::{Random, Row, material, scene, sphere, table, vector};
+use crate::support::command::{Folder, assert_good};
+use crate::support::{Random, Row, data, material, scene, sphere, table, vector};
 use glam::DVec3;
 use warpfront::geodesic::{
     Dop853, FieldControl, FieldEnd, FieldJourney, FieldRays, Rkn6, Stepper, alone, follow_field,
@@ -115,6 +116,34 @@ fn every_exact_ray_among_several_holes_is_rendered_so() {
                 _ => panic!("{label}"),
             }
         }
+    }
+}
+
+#[test]
+fn the_table_of_several_holes_is_traced_column_by_column() {
+    let folder = Folder::with(&[("rays.csv", &data("majumdar_papapetrou_rays.csv"))]);
+    let flags =
+        ["trace", "--spacetime", "several-holes", "--quality", "reference", "rays.csv", "-o", "out.csv"];
+    assert_good(&folder.run(&flags));
+    let (found, exact) = (folder.rows("out.csv"), table("majumdar_papapetrou_rays.csv"));
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in found.iter().zip(&exact) {
+        let label = format!("row {}", exact.text("id"));
+        for column in ["id", "kind", "status", "hole"] {
+            assert_eq!(found.text(column), exact.text(column), "{label}");
+        }
+        if let Some(momentum) = exact.maybe("L_axis") {
+            assert!((found.number("L_axis") - momentum).abs() < 1e-12 * (1.0 + momentum.abs()), "{label}");
+        }
+        if exact.text("status") == "captured" {
+            continue;
+        }
+        let end = (found.vector(["x1", "y1", "z1"]), found.vector(["dx1", "dy1", "dz1"]));
+        assert!(share(exact, 1e-10, end) < 1.0, "{label}");
+        let (sens, time) = (exact.number("sens"), exact.number("t"));
+        assert!((found.number("sens") / sens - 1.0).abs() < 0.02, "{label}: sens {}", found.number("sens"));
+        let late = (found.number("t") - time).abs() / time;
+        assert!(late < 1e-10 * sens, "{label}: late by {late:e}, sens {sens}");
     }
 }
 
