@@ -36,15 +36,11 @@ fn part_at(v: f64, ahead: f64) -> (f64, f64) {
 }
 
 /// Coordinate time, in the unit of length, that a step of length `h` from `start` takes.
-pub fn elapsed_in_field<F: IndexField>(
-    field: &F,
-    start: &FieldRays<1>,
-    step: &FieldStep<1>,
-    h: f64,
-) -> f64 {
+pub fn elapsed_in_field<F: IndexField>(field: &F, start: &FieldRays<1>, step: &FieldStep<1>, h: f64) -> f64 {
     let (mut here, mut time) = (*start, 0.0);
     for i in 0..PARTS {
-        let [(from, _), (to, _)] = [i, i + 1].map(|i| part_at(f64::from(i) / f64::from(PARTS), step.ahead[0]));
+        let [(from, _), (to, _)] =
+            [i, i + 1].map(|i| part_at(f64::from(i) / f64::from(PARTS), step.ahead[0]));
         // τ counts from each start.
         let ahead = 1.0 + from * (step.ahead[0] - 1.0);
         let mut h = h * (to - from) / (ahead * ahead);
