@@ -38,6 +38,6 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
-pub use space_arc::{SpaceArc, fit_space_arc};
+pub use space_arc::{SpaceArc, fit_space_arc, halfway};
 pub use stepper::{StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

@@ -32,10 +32,10 @@ impl SpaceArc {
     }
 }
 
-/// The arc that stands in for the step along `chord` by `h` of a curve's parameter, given the first and the second
-/// derivatives of the curve at the start and at the end.
+/// The arc that stands in for the step along `chord` of a curve that goes `through` a point about halfway, given its
+/// first and second derivatives at the start and at the end.
 #[inline(always)]
-pub fn fit_space_arc(h: f64, chord: DVec3, d0: DVec3, d1: DVec3, dd0: DVec3, dd1: DVec3) -> SpaceArc {
+pub fn fit_space_arc(chord: DVec3, through: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [DVec3; 2]) -> SpaceArc {
     let length2 = chord.length_squared();
     let (per_d0, per_d1) = (1.0 / d0.length(), 1.0 / d1.length());
     // Across both tangents, as long as the sine of the turn times their lengths.
@@ -80,13 +80,19 @@ pub fn fit_space_arc(h: f64, chord: DVec3, d0: DVec3, d1: DVec3, dd0: DVec3, dd1
     let pick = |a: f64, b: f64| if conic { a } else { b };
     let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
     let weight = pick(weight, 1.0);
-    // Neither sees what is off alike on both sides: the middle of the quintic Hermite interpolant does.
-    let halfway = (5.0 / 32.0 * h) * (d0 - d1) + (h * h / 64.0) * (dd0 + dd1);
-    let bow = (weight / (1.0 + weight)) * (middle - 0.5 * chord);
-    let apart = halfway - bow;
+    // Neither sees what is off alike on both sides: the point halfway does.
+    let arc = Arc { p0: DVec3::ZERO, p1: middle, p2: chord, w: weight };
+    let apart = through - arc.point(arc.parameter_beside(through));
     let apart = apart - apart.dot(unit) * unit;
     let error = pick(conic_error, parabola_error) + apart.length();
     SpaceArc { middle, weight, error: if forwards { error } else { f64::INFINITY } }
+}
+
+/// The point halfway, from the start, of the quintic that has the derivatives of a curve at both ends of a step by `h` of
+/// its parameter along `chord`.
+#[inline(always)]
+pub fn halfway(h: f64, chord: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [DVec3; 2]) -> DVec3 {
+    0.5 * chord + (5.0 / 32.0 * h) * (d0 - d1) + (h * h / 64.0) * (dd0 + dd1)
 }
 
 #[cfg(test)]
@@ -99,7 +105,8 @@ mod tests {
     /// The arc from `from` by `h`, its error, and its largest distance from the curve.
     fn fitted(curve: Curve, from: f64, h: f64) -> (SpaceArc, f64) {
         let ([x0, d0, dd0], [x1, d1, dd1]) = (curve(from), curve(from + h));
-        let arc = fit_space_arc(h, x1 - x0, d0, d1, dd0, dd1);
+        let (start, end) = ([d0, dd0], [d1, dd1]);
+        let arc = fit_space_arc(x1 - x0, halfway(h, x1 - x0, start, end), start, end);
         let placed = arc.placed(x0, x1 - x0);
         let distance = |i: u32| {
             let point = curve(from + h * f64::from(i) / 64.0)[0];
@@ -169,12 +176,12 @@ mod tests {
     #[test]
     fn a_straight_step_is_a_straight_arc() {
         let (chord, d) = (DVec3::new(1e9, 2e9, -3e9), DVec3::new(1.0, 2.0, -3.0));
-        let arc = fit_space_arc(1e9, chord, d, d, DVec3::ZERO, DVec3::ZERO);
+        let arc = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [d, DVec3::ZERO]);
         assert!(
             (arc.middle - 0.5 * chord).length() < 1e-6 && arc.weight == 1.0 && arc.error < 1e-6,
             "{arc:?}"
         );
-        let back = fit_space_arc(1.0, chord, d, -d, DVec3::ZERO, DVec3::ZERO);
+        let back = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [-d, DVec3::ZERO]);
         assert!(back.error == f64::INFINITY);
     }
 }

@@ -12,6 +12,7 @@ use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::placement::Placement;
 use super::reissner_nordstrom::ReissnerNordstrom;
+use super::rest_frame::RestFrame;
 use super::schwarzschild::Schwarzschild;
 use super::several_holes::SeveralHoles;
 use crate::math::real::Real;
@@ -328,6 +329,14 @@ impl SpacetimeKind {
             Self::Spherical { center, metric } => vec![(*center, metric.critical_impact_parameter())],
             Self::Spinning { placement, hole } => vec![(placement.center, hole.shadow())],
             Self::Indexed(medium) => medium.sinks().iter().map(|sink| (sink.center, sink.shadow)).collect(),
+        }
+    }
+
+    /// Frames of things at rest.
+    pub fn rest_frame(&self) -> RestFrame {
+        match *self {
+            Self::Flat | Self::Spherical { .. } | Self::Indexed(_) => RestFrame::Conformal,
+            Self::Spinning { placement, hole } => RestFrame::Spinning(placement, hole),
         }
     }
 

@@ -40,6 +40,7 @@ mod named;
 mod parameter;
 mod placement;
 mod reissner_nordstrom;
+mod rest_frame;
 mod schwarzschild;
 mod several_holes;
 
@@ -53,5 +54,6 @@ pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
+pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};

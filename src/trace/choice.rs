@@ -7,6 +7,7 @@ use super::curved::march::march;
 use super::curved::{Curved, Lane};
 use super::field::FieldTransport;
 use super::paper::PaperMarch;
+use super::spinning::Spinning;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
 use crate::geodesic::Control;
@@ -44,6 +45,11 @@ pub fn with_transport_to<E: TransportVisitor>(scene: &Baked, core: f64, sky: boo
     scene.spacetime.visit(Choice { scene, core, sky, visitor })
 }
 
+/// Positions of punctual lights: nothing tells a light ray that it has passed one that it was not followed to.
+fn positions(scene: &Baked) -> impl Iterator<Item = DVec3> {
+    scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position)
+}
+
 /// The choice that [`with_transport_to`] makes, a family of spacetimes each.
 struct Choice<'a, E> {
     scene: &'a Baked,
@@ -59,21 +65,23 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         self.visitor.run(Straight::new(self.scene.geometry.bounds()))
     }
 
+    fn spinning(self, placement: Placement, hole: KerrNewman) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        let lights = positions(scene).map(|light| light.distance(placement.center));
+        let core = lights.fold(core, f64::min);
+        visitor.run(Spinning::new(scene, (placement, hole), core, sky))
+    }
+
     fn indexed<F: IndexField>(self, field: &F) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
         visitor.run(FieldTransport::new(scene, field, core, sky))
     }
 
-    fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {
-        self.flat()
-    }
-
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-        // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
-        let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
-        let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
+        let lights = positions(scene).map(|light| light.distance(center));
+        let nearest = lights.fold(nearest.min(core), f64::min);
         let place = CenteredMedium { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geodesic::{SpaceArc, Stepper, Trial, fit_space_arc};
+use crate::geodesic::{SpaceArc, Stepper, Trial, fit_space_arc, halfway};
 use crate::spacetime::{FieldSurvey, IndexField, Lanes, Vectors, Viewpoint, dot};
 
 /// Rays at places of a field.
@@ -166,7 +166,9 @@ impl<const L: usize> FieldStep<L> {
         let force = lane(&self.end.force, l);
         let bend = (h * h / (q * q * q)) * (force - way * lean.dot(force));
         let (speed, first_bend) = (h * lane(&start.p, l), h * h * lane(&start.force, l));
-        let SpaceArc { middle, weight, error } = fit_space_arc(1.0, way, speed, rate, first_bend, bend);
+        let (first, last) = ([speed, first_bend], [rate, bend]);
+        let SpaceArc { middle, weight, error } =
+            fit_space_arc(way, halfway(1.0, way, first, last), first, last);
         let at_middle = 1.0 - lean.dot(middle);
         let scale = 1.0 / if q < 1.0 { q } else { 1.0 };
         let weight = weight * at_middle / q.sqrt();

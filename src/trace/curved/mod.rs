@@ -10,8 +10,10 @@ mod span;
 
 use glam::DVec3;
 
+use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
+use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
@@ -20,9 +22,8 @@ use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::ConformallyFlat;
 use commit_step::Committing;
-use flight::FlightStatus;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
-use launch::{LaunchPoint, Launching};
+use launch::Launching;
 pub use rays::Curved;
 use span::Span;
 
@@ -105,8 +106,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         Lensed::new(self.medium, self.center, max_winding)
     }
 
-    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&LaunchPoint { position, direction, origin_prim }, &())
+    fn launch(&self, start: &Start) -> CurvedFlight<R> {
+        Launching::of(self).run(&(*start).into(), &())
     }
 
     fn launch_all(
@@ -117,10 +118,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     ) {
         let Scratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
-        places.gather(lanes, |i| {
-            let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            LaunchPoint { position, direction, origin_prim }
-        });
+        places.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {

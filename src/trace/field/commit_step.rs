@@ -1,9 +1,10 @@
 //! FieldCommits a step that met nothing: from its end to the start of the next.
 
-use super::flight::{FieldFlight, FieldMove, FieldStatus};
+use super::flight::{FieldFlight, FieldMove};
 use super::rays::FieldTransport;
 use crate::geometry::PrimitiveId;
 use crate::math::kernel::Kernel;
+use crate::trace::flight_status::FlightStatus;
 
 /// Most steps of one ray: two orders of magnitude above what rays with several windings take.
 const MAX_STEPS: u32 = 10_000;
@@ -33,11 +34,11 @@ impl Kernel for FieldCommits<'_> {
         let leaves = self.0.control.leaves(step.position, step.momentum);
         // The next step must be finite and not vanish; a state lost for good is reported.
         let moves = step.next_h > f64::from(f32::MIN_POSITIVE);
-        let status = if step.falls { FieldStatus::Falls } else { FieldStatus::Flies };
-        let status = if leaves { FieldStatus::Leaves } else { status };
-        let status = if taken { status } else { FieldStatus::Flies };
-        let status = if moves { status } else { FieldStatus::NonFinite };
-        let status = if steps <= MAX_STEPS { status } else { FieldStatus::StepLimit };
+        let status = if step.falls { FlightStatus::Falls } else { FlightStatus::Flies };
+        let status = if leaves { FlightStatus::Leaves } else { status };
+        let status = if taken { status } else { FlightStatus::Flies };
+        let status = if moves { status } else { FlightStatus::NonFinite };
+        let status = if steps <= MAX_STEPS { status } else { FlightStatus::StepLimit };
         let committed = if taken { next } else { *flight };
         FieldFlight { h: step.next_h, steps, status, ..committed }
     }

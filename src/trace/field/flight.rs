@@ -4,37 +4,8 @@ use glam::DVec3;
 
 use super::span::FieldSpan;
 use crate::geometry::PrimitiveId;
-use crate::math::columns::{columns, plain_field};
-
-/// State of a ray after a step that met nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FieldStatus {
-    /// It flies on.
-    #[default]
-    Flies,
-    /// It leaves to infinity.
-    Leaves,
-    /// A hole captures it.
-    Falls,
-    /// It took more steps than allowed.
-    StepLimit,
-    /// Its state is no longer finite.
-    NonFinite,
-}
-
-plain_field!(FieldStatus);
-
-columns! {
-    /// Start of a ray.
-    pub struct FieldStart => FieldStartBlock {
-        /// World position.
-        position: DVec3,
-        /// Unit direction in the static frame.
-        direction: DVec3,
-        /// The primitive it lies on.
-        origin_prim: PrimitiveId,
-    }
-}
+use crate::math::columns::columns;
+use crate::trace::flight_status::FlightStatus;
 
 columns! {
     /// A ray in a field.
@@ -58,7 +29,7 @@ columns! {
         /// Steps so far, rejected ones included.
         steps: u32,
         /// State after the last of them.
-        status: FieldStatus,
+        status: FlightStatus,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::flight::{FieldFlight, FieldMove, FieldStart, FieldStatus};
+use super::flight::{FieldFlight, FieldMove};
 use super::span::{FieldSpan, gather};
 use crate::geodesic::{
     Dop853, FieldControl, FieldRays, FieldStep, FieldVerdict, Rkn6, Stepper, alone, at_infinity, lane,
@@ -13,7 +13,9 @@ use crate::math::columns::{LANES, Row};
 use crate::math::kernel::widest;
 use crate::scene::StepperKind;
 use crate::spacetime::IndexField;
+use crate::trace::flight_status::FlightStatus;
 use crate::trace::land_on_ray::{PartialStep, Pose};
+use crate::trace::launch_point::LaunchPoint;
 
 /// Place of capture: nothing is met within.
 #[derive(Clone, Copy, Debug)]
@@ -27,10 +29,10 @@ pub struct Trap {
 /// A stepper at work in a field.
 pub trait FieldMarch: Send + Sync {
     /// A ray that starts.
-    fn launch(&self, start: &FieldStart) -> FieldFlight;
+    fn launch(&self, start: &LaunchPoint) -> FieldFlight;
 
     /// Blocks of rays that start.
-    fn launch_all(&self, starts: &[<FieldStart as Row>::Block], flights: &mut [<FieldFlight as Row>::Block]);
+    fn launch_all(&self, starts: &[<LaunchPoint as Row>::Block], flights: &mut [<FieldFlight as Row>::Block]);
 
     /// The next move of a ray.
     fn advance(&self, flight: &FieldFlight) -> FieldMove;
@@ -86,7 +88,7 @@ impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
     #[inline(always)]
     fn starts<const L: usize>(
         &self,
-        start: impl Fn(usize) -> FieldStart,
+        start: impl Fn(usize) -> LaunchPoint,
         mut each: impl FnMut(usize, FieldFlight),
     ) {
         let (mut x, mut d) = ([[0.0; L]; 3], [[0.0; L]; 3]);
@@ -109,7 +111,7 @@ impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
                     error: 1.0,
                     origin_prim: start(l).origin_prim,
                     steps: 0,
-                    status: FieldStatus::Flies,
+                    status: FlightStatus::Flies,
                 },
             );
         }
@@ -202,7 +204,7 @@ fn vectors<const L: usize>(rays: &FieldRays<L>, l: usize) -> [DVec3; 4] {
 /// Blocks of rays that start.
 struct FieldLaunches<'a, F, S> {
     march: &'a FieldStepping<F, S>,
-    starts: &'a [<FieldStart as Row>::Block],
+    starts: &'a [<LaunchPoint as Row>::Block],
     flights: &'a mut [<FieldFlight as Row>::Block],
 }
 
@@ -212,7 +214,7 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldLaunches<'_, F, S> 
     #[inline(always)]
     fn call(self) {
         for (starts, flights) in self.starts.iter().zip(self.flights) {
-            let start = |l| FieldStart::get(starts, l);
+            let start = |l| LaunchPoint::get(starts, l);
             self.march.starts::<LANES>(start, |l, flight| FieldFlight::set(flights, l, flight));
         }
     }
@@ -265,13 +267,17 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldPoses<'_, F, S> {
 }
 
 impl<F: IndexField, S: Stepper> FieldMarch for FieldStepping<F, S> {
-    fn launch(&self, start: &FieldStart) -> FieldFlight {
+    fn launch(&self, start: &LaunchPoint) -> FieldFlight {
         let mut launched = FieldFlight::default();
         self.starts::<1>(|_| *start, |_, flight| launched = flight);
         launched
     }
 
-    fn launch_all(&self, starts: &[<FieldStart as Row>::Block], flights: &mut [<FieldFlight as Row>::Block]) {
+    fn launch_all(
+        &self,
+        starts: &[<LaunchPoint as Row>::Block],
+        flights: &mut [<FieldFlight as Row>::Block],
+    ) {
         widest(FieldLaunches { march: self, starts, flights });
     }
 

@@ -9,8 +9,10 @@ mod span;
 
 use glam::DVec3;
 
+use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
+use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
@@ -18,7 +20,7 @@ use crate::light::StraightAim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, map, update};
 use commit_step::FieldCommits;
-use flight::{FieldFlight, FieldMove, FieldStart, FieldStatus};
+use flight::{FieldFlight, FieldMove};
 pub use rays::FieldTransport;
 use span::FieldSpan;
 
@@ -26,12 +28,12 @@ impl FieldTransport {
     /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &FieldFlight) -> Outcome<FieldFlight> {
         match next.status {
-            FieldStatus::Flies => Outcome::Flying(*next),
-            FieldStatus::Leaves if !self.sky => Outcome::Escaped(next.momentum.normalize()),
-            FieldStatus::Leaves => self.march.at_infinity(next).map_or(Outcome::NonFinite, Outcome::Escaped),
-            FieldStatus::Falls => Outcome::Captured,
-            FieldStatus::StepLimit => Outcome::StepLimit,
-            FieldStatus::NonFinite => Outcome::NonFinite,
+            FlightStatus::Flies => Outcome::Flying(*next),
+            FlightStatus::Leaves if !self.sky => Outcome::Escaped(next.momentum.normalize()),
+            FlightStatus::Leaves => self.march.at_infinity(next).map_or(Outcome::NonFinite, Outcome::Escaped),
+            FlightStatus::Falls => Outcome::Captured,
+            FlightStatus::StepLimit => Outcome::StepLimit,
+            FlightStatus::NonFinite => Outcome::NonFinite,
         }
     }
 
@@ -72,7 +74,7 @@ impl Kernel for FieldQueries<'_> {
 /// Buffers that a wavefront of rays in a field keeps from round to round.
 #[derive(Default)]
 pub struct FieldScratch {
-    starts: Columns<FieldStart>,
+    starts: Columns<LaunchPoint>,
     launched: Columns<FieldFlight>,
     on_rays: RayLandings<FieldSpan>,
     on_arcs: ArcLandings,
@@ -90,8 +92,8 @@ impl Transport for FieldTransport {
         None
     }
 
-    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> FieldFlight {
-        self.march.launch(&FieldStart { position, direction, origin_prim })
+    fn launch(&self, start: &Start) -> FieldFlight {
+        self.march.launch(&(*start).into())
     }
 
     fn launch_all(
@@ -102,10 +104,7 @@ impl Transport for FieldTransport {
     ) {
         let FieldScratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
-        places.gather(lanes, |i| {
-            let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            FieldStart { position, direction, origin_prim }
-        });
+        places.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
         self.march.launch_all(places.blocks(lanes), launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {
@@ -184,7 +183,7 @@ impl Transport for FieldTransport {
         update(&FieldCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
-            if flights.get(lane).status != FieldStatus::Flies && found.is_none() {
+            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());
             }
         }
