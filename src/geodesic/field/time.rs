@@ -36,7 +36,12 @@ fn part_at(v: f64, ahead: f64) -> (f64, f64) {
 }
 
 /// Coordinate time, in the unit of length, that a step of length `h` from `start` takes.
-pub fn elapsed_in_field<F: IndexField>(field: &F, start: &FieldRays<1>, step: &FieldStep<1>, h: f64) -> f64 {
+pub(crate) fn elapsed_in_field<F: IndexField>(
+    field: &F,
+    start: &FieldRays<1>,
+    step: &FieldStep<1>,
+    h: f64,
+) -> f64 {
     let (mut here, mut time) = (*start, 0.0);
     for i in 0..PARTS {
         let [(from, _), (to, _)] =
