@@ -449,3 +449,44 @@ fn things_at_rest_in_an_ergosphere_are_errors_that_name_them() {
         assert!(write(&scene(shape, far)).is_ok(), "{shape}");
     }
 }
+
+#[test]
+fn several_holes_and_lenses_are_checked_and_shown() {
+    let spoilt = |kind: &str, list: &str, expected: &[&str]| {
+        let old = "kind = \"schwarzschild\"\ncenter = [0, 0, 0]\nschwarzschild_radius = 1\n";
+        assert_located(old, &format!("kind = \"{kind}\"\n{list}"), expected);
+    };
+    let hole = |center: &str, mass: &str| format!("[[spacetime.hole]]\ncenter = {center}\nmass = {mass}\n");
+    let good = hole("[1, 2, 3]", "0.5");
+    for (list, expected) in [
+        (String::new(), "needs holes"),
+        (hole("[1, 2, 3]", "0"), "mass must be positive"),
+        (hole("[1, 2, 3]", "-1"), "mass must be positive"),
+        (hole("[1, 2, inf]", "1"), "center must be finite"),
+        (good.clone() + &hole("[1, 2, 3]", "2"), "a second hole is at [1.0, 2.0, 3.0]"),
+        (good.clone() + "masss = 1\n", "did you mean `mass`?"),
+        ("[[spacetime.hole]]\ncenter = [1, 2, 3]\n".to_owned(), "missing field `mass`"),
+    ] {
+        spoilt("several-holes", &list, &[expected]);
+    }
+    let lens = |keys: &str| format!("[[spacetime.lens]]\ncenter = [1, 2, 3]\n{keys}\n");
+    let gaussian = lens("kind = \"gaussian\"\nwidth = 1\namplitude = -0.6");
+    for (list, expected) in [
+        (String::new(), "needs lenses"),
+        (lens("kind = \"gaussian\"\nwidth = 1"), "a gaussian lens needs `amplitude`"),
+        (lens("kind = \"luneburg\""), "a luneburg lens needs `radius`"),
+        (lens("kind = \"luneburg\"\nradius = 1\nwidth = 2"), "a luneburg lens has no `width`"),
+        (lens("kind = \"luneburg\"\nradius = 0"), "radius must be positive"),
+        (gaussian.clone() + &gaussian, "the index of refraction may fall to"),
+        (gaussian.clone() + &lens("kind = \"luneburg\"\nradius = 1"), "the lens touches that at"),
+        (lens("kind = \"gausian\"\nwidth = 1"), "did you mean `gaussian`?"),
+    ] {
+        spoilt("lenses", &list, &[expected]);
+    }
+    let two = GOOD.replacen("kind = \"schwarzschild\"", "kind = \"several-holes\"", 1);
+    let two = two.replacen("schwarzschild_radius = 1\n", &good, 1).replacen("center = [0, 0, 0]\n", "", 1);
+    assert_eq!(load_text(&two).unwrap().warnings, Vec::<String>::new());
+    let unused =
+        GOOD.replacen("schwarzschild_radius = 1\n", &("schwarzschild_radius = 1\n".to_owned() + &good), 1);
+    assert_eq!(load_text(&unused).unwrap().warnings.len(), 1);
+}
