@@ -25,10 +25,12 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+#[cfg(feature = "cli")]
+pub(crate) use field::elapsed_in_field;
 pub use field::{
     FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, follow_field,
 };
-pub(crate) use field::{at_infinity, elapsed_in_field, lane, set_lane};
+pub(crate) use field::{at_infinity, lane, set_lane};
 pub use follow::{Journey, OrbitEnd, follow};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
