@@ -8,6 +8,7 @@ use super::baked::Baked;
 use super::camera::Camera;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
+use super::ergosphere;
 use super::error::Fault;
 use super::hole::place_hole;
 use super::settings::MAX_SIDE;
@@ -39,6 +40,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let boxes = primitive_bounds(&primitives);
     check_extent(&world, &boxes, &shaped)?;
     place_hole(&mut world)?;
+    ergosphere::check(&world, &primitives, &shaped)?;
     let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
     check_outside_horizon(&world, &camera)?;
     let (punctual, hidden) = lights(&mut world)?;

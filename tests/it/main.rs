@@ -49,6 +49,7 @@ mod pictures {
     mod lensed_images;
     mod machines;
     mod spacetimes;
+    mod spinning;
 }
 
 mod files {
