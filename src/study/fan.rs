@@ -5,12 +5,13 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::spinning_sections::SpinningHole;
 use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::Baked;
-use crate::spacetime::{ConformallyFlat, Metric};
+use crate::spacetime::{ConformallyFlat, Metric, SpacetimeKind};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
 /// Rays of a fan.
@@ -33,6 +34,9 @@ pub enum FanError {
     /// Rays cannot start there.
     #[error("the fan starts inside the horizon")]
     InsideHorizon,
+    /// Nothing is at rest there, nor the directions of the fan.
+    #[error("the fan starts in the ergosphere, where nothing is at rest")]
+    InErgosphere,
     /// No plane is perpendicular to that.
     #[error("the direction that is up from the plane points along the plane")]
     UpAlongPlane,
@@ -45,6 +49,7 @@ pub enum FanError {
 pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
+    spinning: Option<SpinningHole>,
     cuts: Vec<CrossSection>,
     view: FanPlane,
 }
@@ -95,12 +100,19 @@ impl Fan {
         if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
             return Err(FanError::InsideHorizon);
         }
-        let in_plane = hole.map(|(center, _)| center - start).unwrap_or(camera.forward).normalize();
+        let spinning = match scene.spacetime {
+            SpacetimeKind::Spinning { placement, hole } => Some(SpinningHole { placement, hole }),
+            SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Indexed(_) => None,
+        };
+        if spinning.is_some() && scene.spacetime.drags(start) {
+            return Err(FanError::InErgosphere);
+        }
+        let center = hole.map(|(center, _)| center).or(spinning.map(|spinning| spinning.placement.center));
+        let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
-        let view =
-            FanPlane { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
+        let view = FanPlane { origin: center.unwrap_or(start), right, up: normal.cross(right) };
 
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
         let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
@@ -116,7 +128,7 @@ impl Fan {
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;
         let cuts = scene.geometry.cross_section(&Plane { point: view.origin, normal });
-        Ok(Self { polylines: polylines(scene, &rays), hole, cuts, view })
+        Ok(Self { polylines: polylines(scene, &rays), hole, spinning, cuts, view })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -149,12 +161,13 @@ impl Fan {
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
         if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {
-            match &self.hole {
-                Some((center, medium)) => {
+            match (&self.hole, &self.spinning) {
+                (Some((center, medium)), _) => {
                     let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
-                None => points.push(last + reach * direction),
+                (None, Some(spinning)) => points.extend(spinning.way_out(last, polyline.heading, reach)),
+                (None, None) => points.push(last + reach * direction),
             }
         }
         points
@@ -196,7 +209,17 @@ impl Fan {
                 curves: circle(medium.horizon()),
             });
         }
-        let origin = if self.hole.is_some() { "the hole" } else { "the start" };
+        if let Some(spinning) = self.spinning {
+            let axes = [self.view.right, self.view.up];
+            let mut add = |name: &str, style: Style, curves: Vec<Vec<[f64; 2]>>| {
+                series.push(DataSeries { name: name.to_owned(), style, curves });
+            };
+            add("photon orbits", Style::dashed(Color::BLACK, 1.6), spinning.photon_orbits(axes));
+            add("ergosphere", Style::line(Color::GREY, 1.6), vec![spinning.ergosphere(axes)]);
+            add("horizon", Style::area(Color::BLACK), vec![spinning.horizon(axes)]);
+        }
+        let has_hole = self.hole.is_some() || self.spinning.is_some();
+        let origin = if has_hole { "the hole" } else { "the start" };
         let FanBounds { min, max } = frame;
         let side = max - min;
         let scale = (DIAGRAM[0] / side.x).min(DIAGRAM[1] / side.y);
@@ -218,9 +241,11 @@ impl Fan {
             let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
             polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
         }
-        if let (Some((_, medium)), Some(polyline)) = (self.hole, self.polylines.first()) {
+        let orbit = self.hole.map(|(_, medium)| medium.photon_sphere());
+        let orbit = orbit.or(self.spinning.map(|spinning| spinning.hole.outermost_photon_orbit()));
+        if let (Some(orbit), Some(polyline)) = (orbit, self.polylines.first()) {
             let distance = DVec2::from(self.view.place(polyline.points[0])).length();
-            frame.hold(DVec2::ZERO, (AROUND_HOLE * medium.photon_sphere()).max(BESIDE_HOLE * distance));
+            frame.hold(DVec2::ZERO, (AROUND_HOLE * orbit).max(BESIDE_HOLE * distance));
         }
         if frame.reach() == 0.0 {
             for cut in &self.cuts {
