@@ -32,6 +32,7 @@ mod named;
 mod parameter;
 mod reissner_nordstrom;
 mod schwarzschild;
+mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
@@ -40,3 +41,4 @@ pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use reissner_nordstrom::ReissnerNordstrom;
 pub use schwarzschild::Schwarzschild;
+pub use side::{AtInfinity, Side};
