@@ -181,13 +181,23 @@ impl Serialize for Spacetime {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", self.0.entry().name)?;
-        if let Some((center, metric)) = self.0.medium() {
+        if let Some(center) = self.0.center() {
             map.serialize_entry("center", &center.to_array())?;
-            for (parameter, value) in self.0.parameters() {
-                map.serialize_entry(parameter.key, &value)?;
+        }
+        for (parameter, value) in self.0.parameters() {
+            map.serialize_entry(parameter.key, &value)?;
+        }
+        match self.0 {
+            SpacetimeKind::Flat => {}
+            SpacetimeKind::Spherical { metric, .. } => {
+                map.serialize_entry("horizon", &metric.horizon())?;
+                map.serialize_entry("photon_sphere", &metric.photon_sphere())?;
             }
-            map.serialize_entry("horizon", &metric.horizon())?;
-            map.serialize_entry("photon_sphere", &metric.photon_sphere())?;
+            SpacetimeKind::Spinning { placement, hole } => {
+                map.serialize_entry("axis", &placement.axis.to_array())?;
+                map.serialize_entry("horizon", &hole.horizon())?;
+                map.serialize_entry("ergosphere", &hole.ergosphere())?;
+            }
         }
         map.end()
     }
@@ -196,16 +206,25 @@ impl Serialize for Spacetime {
 impl Spacetime {
     fn text(&self) -> String {
         let title = self.0.entry().title;
-        let Some((center, metric)) = self.0.medium() else { return title.to_owned() };
         let values = self.0.parameters();
         let values: String =
             values.map(|(p, value)| format!(", {} {}", p.symbol, rounded(value, PLACE))).collect();
-        format!(
-            "{title}{values} at {}; isotropic radii: horizon {}, photon sphere {}",
-            point(&center.to_array()),
-            rounded(metric.horizon(), 4),
-            rounded(metric.photon_sphere(), 4)
-        )
+        match self.0 {
+            SpacetimeKind::Flat => title.to_owned(),
+            SpacetimeKind::Spherical { center, metric } => format!(
+                "{title}{values} at {}; isotropic radii: horizon {}, photon sphere {}",
+                point(&center.to_array()),
+                rounded(metric.horizon(), 4),
+                rounded(metric.photon_sphere(), 4)
+            ),
+            SpacetimeKind::Spinning { placement, hole } => format!(
+                "{title}{values} at {}, axis {}; radii at the equator: horizon {}, ergosphere {}",
+                point(&placement.center.to_array()),
+                point(&placement.axis.to_array()),
+                rounded(hole.equatorial_radius(hole.horizon()), 4),
+                rounded(hole.equatorial_radius(hole.ergosphere()), 4)
+            ),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Camera;
 use super::systems::Bounds;
 use crate::light::Punctual;
-use crate::spacetime::{ConformallyFlat, SpacetimeKind};
+use crate::spacetime::SpacetimeKind;
 
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
 const DIM: f64 = 0.02;
@@ -19,8 +19,8 @@ pub(super) fn of_hole(
     aspect: f64,
     boxes: &[(Bounds, u32)],
 ) -> Vec<String> {
-    let Some((center, medium)) = spacetime.medium() else { return Vec::new() };
-    let shadow = medium.critical_impact_parameter();
+    let Some(center) = spacetime.center() else { return Vec::new() };
+    let shadow = spacetime.shadow();
     let [x, y, z] = center.to_array().map(|value| value as f32);
     let mut notes = Vec::new();
     if let Some(bounds) = Bounds::of_all(boxes) {

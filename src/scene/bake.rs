@@ -127,7 +127,7 @@ fn lights(world: &mut World) -> Result<(Vec<Punctual>, Vec<String>), Fault> {
     let (mut lights, mut hidden) = (Vec::with_capacity(placed.len()), Vec::new());
     for (entity, to_world, light) in placed {
         let light = checked_light(world, entity, to_world, &light)?;
-        if light.position().is_some_and(|position| is_in_hole(world.spacetime, position)) {
+        if light.position().is_some_and(|position| world.spacetime.hides(position)) {
             hidden.push(world.name(entity));
         } else {
             lights.push(light);
@@ -153,11 +153,6 @@ fn checked_light(
         return Ok(light);
     }
     Err(world.fault(entity, "the light is brighter than 1e18", "use a smaller intensity or `light_scale`"))
-}
-
-/// True if a point is so near the horizon, or within, that no ray is followed there.
-fn is_in_hole(spacetime: SpacetimeKind, point: DVec3) -> bool {
-    spacetime.center().is_some_and(|center| point.distance(center) <= spacetime.innermost())
 }
 
 fn checked_transform(world: &World, entity: Entity, to_world: DAffine3) -> Result<DAffine3, Fault> {
@@ -214,16 +209,25 @@ fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
 
 /// Rays start between the pinhole and the near plane; both must be outside.
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
-    let Some(center) = world.spacetime.center() else { return Ok(()) };
-    let horizon = world.spacetime.horizon();
     let start: DVec3 = camera.position + camera.near * camera.forward;
-    let distance = camera.position.distance(center).min(start.distance(center));
-    if distance > horizon {
+    if ![camera.position, start].into_iter().any(|point| world.spacetime.drags(point)) {
         return Ok(());
     }
-    let problem = format!(
-        "the camera is inside the black hole: {distance} from its center, where the horizon is at {horizon}"
-    );
+    let center = world.spacetime.center().unwrap_or_default();
+    let distance = camera.position.distance(center).min(start.distance(center));
+    let problem = match world.spacetime {
+        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } => {
+            let horizon = world.spacetime.horizon();
+            format!(
+                "the camera is inside the black hole: {distance} from its center, where the horizon is at {horizon}"
+            )
+        }
+        SpacetimeKind::Spinning { .. } => {
+            format!(
+                "the camera is in the ergosphere, where nothing can be at rest: {distance} from the hole's center"
+            )
+        }
+    };
     let help = "move the camera away, or use a smaller schwarzschild_radius";
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),

@@ -45,13 +45,15 @@ pub struct SceneFile {
     pub entity: Vec<Spanned<EntityTable>>,
 }
 
-/// `[spacetime]`: its keys besides `kind` and `center` are the parameters of [`SPACETIMES`].
+/// `[spacetime]`: its keys besides `kind`, `center` and `axis` are the parameters of [`SPACETIMES`].
 #[derive(Debug)]
 pub struct SpacetimeTable {
     /// Which one; parameters that it does not have are without effect.
     pub kind: &'static Entry,
     /// Position of the centre; the origin if absent.
     pub center: Option<Vector>,
+    /// Direction of the axis, of any length; +Y if absent.
+    pub axis: Option<Vector>,
     /// Values by their keys.
     pub parameters: BTreeMap<&'static str, Number>,
 }
@@ -92,7 +94,7 @@ static SPACETIME_NAMES: LazyLock<Vec<&str>> =
     LazyLock::new(|| SPACETIMES.iter().map(|entry| entry.name).collect());
 static SPACETIME_KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
     let parameters = SPACETIMES.iter().flat_map(|entry| entry.parameters).map(|parameter| parameter.key);
-    let mut keys: Vec<&str> = ["kind", "center"].into_iter().chain(parameters).collect();
+    let mut keys: Vec<&str> = ["kind", "center", "axis"].into_iter().chain(parameters).collect();
     let mut known = BTreeSet::new();
     keys.retain(|key| known.insert(*key));
     keys
@@ -106,16 +108,17 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SpacetimeTable, A::Error> {
-        let (mut kind, mut center, mut parameters) = (None, None, BTreeMap::new());
+        let (mut kind, mut center, mut axis, mut parameters) = (None, None, None, BTreeMap::new());
         while let Some(SpacetimeKey(key)) = map.next_key()? {
             match key {
                 "kind" => kind = Some(map.next_value::<SpacetimeName>()?.0),
                 "center" => center = Some(map.next_value()?),
+                "axis" => axis = Some(map.next_value()?),
                 parameter => drop(parameters.insert(parameter, map.next_value()?)),
             }
         }
         let kind = kind.ok_or_else(|| de::Error::missing_field("kind"))?;
-        Ok(SpacetimeTable { kind, center, parameters })
+        Ok(SpacetimeTable { kind, center, axis, parameters })
     }
 }
 

@@ -23,7 +23,7 @@ use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
-use crate::spacetime::{Entry, Parameter, Range, SpacetimeKind};
+use crate::spacetime::{Entry, Parameter, Placement, Range, SpacetimeKind};
 
 /// Albedo of a diffuse material that does not say.
 const DEFAULT_ALBEDO: f32 = 0.8;
@@ -94,6 +94,13 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
     let (span, table) = (table.span(), table.get_ref());
     let center = table.center.as_ref().map_or(Ok(DVec3::ZERO), |at| check::finite_vector(at, "center"))?;
     let Entry { name, parameters, .. } = table.kind;
+    let mut placement = Placement::from(center);
+    if let Some(axis) = &table.axis {
+        placement.axis = check::direction(axis, "axis")?;
+        if !table.kind.has_axis {
+            warnings.push(format!("spacetime.axis has no effect, since spacetime.kind is {name}"));
+        }
+    }
     for (key, value) in &table.parameters {
         if parameters.iter().all(|parameter| parameter.key != *key) && *value.get_ref() != 0.0 {
             warnings.push(format!("spacetime.{key} has no effect, since spacetime.kind is {name}"));
@@ -111,7 +118,10 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
             Range::Ratio { least, most, why } => check::within(value, least..=most, key, why)?,
         });
     }
-    Ok(table.kind.with(center, &values))
+    if let Some((problem, help)) = table.kind.conflict(&values) {
+        return Err(Fault::at(span, problem, help));
+    }
+    Ok(table.kind.with(placement, &values))
 }
 
 fn environment(

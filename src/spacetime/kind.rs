@@ -4,8 +4,11 @@ use glam::DVec3;
 
 use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
+use super::kerr::Kerr;
+use super::kerr_newman::KerrNewman;
 use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
+use super::placement::Placement;
 use super::reissner_nordstrom::ReissnerNordstrom;
 use super::schwarzschild::Schwarzschild;
 use crate::math::real::Real;
@@ -30,7 +33,7 @@ macro_rules! spherical {
         impl Metric {
             fn entry(self) -> &'static Entry {
                 match self {
-                    $(Self::$name(_) => const { &Entry::of::<$name>() },)*
+                    $(Self::$name(_) => const { &Entry::spherical::<$name>() },)*
                 }
             }
 
@@ -84,7 +87,9 @@ macro_rules! spherical {
 
         /// All spacetimes, in the order of the command line's help.
         pub static SPACETIMES: &[&Entry] = &[
-            $(const { &Entry::of::<$name>() },)*
+            $(const { &Entry::spherical::<$name>() },)*
+            &KERR,
+            &KERR_NEWMAN,
             &FLAT,
         ];
     };
@@ -107,6 +112,13 @@ pub enum SpacetimeKind {
         /// The spacetime about its centre.
         metric: Metric,
     },
+    /// A spinning hole, in Cartesian Kerr–Schild coordinates of the outgoing form, with the axis along `placement`'s.
+    Spinning {
+        /// Centre and axis in the world.
+        placement: Placement,
+        /// The hole about its centre, with the axis along z.
+        hole: KerrNewman,
+    },
 }
 
 /// Work on a spacetime of any family: a new family does not compile until every visitor handles it.
@@ -119,6 +131,9 @@ pub trait SpacetimeVisitor {
 
     /// In a static, spherical spacetime about `center`.
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output;
+
+    /// Around a spinning hole.
+    fn spinning(self, placement: Placement, hole: KerrNewman) -> Self::Output;
 }
 
 /// A spacetime's entry in the table of all.
@@ -132,7 +147,10 @@ pub struct Entry {
     pub summary: &'static str,
     /// Parameters in the order of values.
     pub parameters: &'static [Parameter],
-    make: fn(DVec3, &[f64]) -> SpacetimeKind,
+    /// True if it has an axis that can be tilted.
+    pub has_axis: bool,
+    conflict: fn(&[f64]) -> Option<(String, String)>,
+    make: fn(Placement, &[f64]) -> SpacetimeKind,
 }
 
 static FLAT: Entry = Entry {
@@ -140,14 +158,38 @@ static FLAT: Entry = Entry {
     title: "flat",
     summary: "No hole: straight rays",
     parameters: &[],
+    has_axis: false,
+    conflict: |_| None,
     make: |_, _| SpacetimeKind::Flat,
 };
+static KERR: Entry = Entry::spinning::<Kerr>();
+static KERR_NEWMAN: Entry = Entry::spinning::<KerrNewman>();
 
 impl Entry {
-    const fn of<M: Named + Into<Metric>>() -> Self {
-        let make =
-            |center, values: &[f64]| SpacetimeKind::Spherical { center, metric: M::new(values).into() };
-        Self { name: M::NAME, title: M::TITLE, summary: M::SUMMARY, parameters: M::PARAMETERS, make }
+    const fn of<N: Named>(has_axis: bool, make: fn(Placement, &[f64]) -> SpacetimeKind) -> Self {
+        Self {
+            name: N::NAME,
+            title: N::TITLE,
+            summary: N::SUMMARY,
+            parameters: N::PARAMETERS,
+            has_axis,
+            conflict: N::conflict,
+            make,
+        }
+    }
+
+    const fn spherical<M: Named + Into<Metric>>() -> Self {
+        Self::of::<M>(false, |placement, values| SpacetimeKind::Spherical {
+            center: placement.center,
+            metric: M::new(values).into(),
+        })
+    }
+
+    const fn spinning<M: Named + Into<KerrNewman>>() -> Self {
+        Self::of::<M>(true, |placement, values| SpacetimeKind::Spinning {
+            placement,
+            hole: M::new(values).into(),
+        })
     }
 
     /// The entry of this name.
@@ -155,14 +197,19 @@ impl Entry {
         SPACETIMES.iter().find(|entry| entry.name == name).copied()
     }
 
-    /// The spacetime of this name about `center`, with a value for each parameter; flat space if a length is 0.
-    pub fn with(&self, center: DVec3, values: &[f64]) -> SpacetimeKind {
+    /// Problem with values that are each within bounds but not together, and its remedy.
+    pub fn conflict(&self, values: &[f64]) -> Option<(String, String)> {
+        (self.conflict)(values)
+    }
+
+    /// The spacetime of this name in its place, with a value for each parameter; flat space if a length is 0.
+    pub fn with(&self, placement: impl Into<Placement>, values: &[f64]) -> SpacetimeKind {
         let is_length = |parameter: &Parameter| parameter.range == Range::Length;
         let mut lengths = self.parameters.iter().zip(values).filter(|(parameter, _)| is_length(parameter));
         if lengths.any(|(_, length)| *length == 0.0) {
             return SpacetimeKind::Flat;
         }
-        (self.make)(center, values)
+        (self.make)(placement.into(), values)
     }
 }
 
@@ -180,6 +227,8 @@ impl SpacetimeKind {
         match self {
             Self::Flat => &FLAT,
             Self::Spherical { metric, .. } => metric.entry(),
+            Self::Spinning { hole, .. } if hole.charge() == 0.0 => &KERR,
+            Self::Spinning { .. } => &KERR_NEWMAN,
         }
     }
 
@@ -193,30 +242,70 @@ impl SpacetimeKind {
         match self {
             Self::Flat => None,
             Self::Spherical { center, .. } => Some(center),
+            Self::Spinning { placement, .. } => Some(placement.center),
+        }
+    }
+
+    /// Centre and axis; those of the origin in flat space.
+    fn placement(self) -> Placement {
+        match self {
+            Self::Flat => Placement::default(),
+            Self::Spherical { center, .. } => center.into(),
+            Self::Spinning { placement, .. } => placement,
         }
     }
 
     /// Centre and optical medium of a static, spherical spacetime.
     pub fn medium(self) -> Option<(DVec3, Metric)> {
         match self {
-            Self::Flat => None,
+            Self::Flat | Self::Spinning { .. } => None,
             Self::Spherical { center, metric } => Some((center, metric)),
         }
     }
 
-    /// Chart radius of the horizon, 0 if there is none.
+    /// Largest chart radius of the horizon, 0 if there is none.
     pub fn horizon(self) -> f64 {
-        self.medium().map_or(0.0, |(_, metric)| metric.horizon())
+        match self {
+            Self::Flat => 0.0,
+            Self::Spherical { metric, .. } => metric.horizon(),
+            Self::Spinning { hole, .. } => hole.equatorial_radius(hole.horizon()),
+        }
     }
 
-    /// Chart radius at which a ray has reached the horizon, 0 if there is none: nothing within is ever met.
-    pub fn innermost(self) -> f64 {
-        self.medium().map_or(0.0, |(_, metric)| Chart::innermost(&metric))
+    /// Largest impact parameter of rays from afar that are captured, 0 if none is.
+    pub fn shadow(self) -> f64 {
+        match self {
+            Self::Flat => 0.0,
+            Self::Spherical { metric, .. } => metric.critical_impact_parameter(),
+            Self::Spinning { hole, .. } => hole.shadow(),
+        }
+    }
+
+    /// True where nothing can be at rest: within a horizon, or in the ergosphere of a spinning hole.
+    pub fn drags(self, point: DVec3) -> bool {
+        match self {
+            Self::Flat => false,
+            Self::Spherical { center, metric } => point.distance(center) <= metric.horizon(),
+            Self::Spinning { placement, hole } => hole.drags(placement.local(point)),
+        }
+    }
+
+    /// True so near the horizon, or within, that no ray is followed there.
+    pub fn hides(self, point: DVec3) -> bool {
+        match self {
+            Self::Flat => false,
+            Self::Spherical { center, metric } => point.distance(center) <= Chart::innermost(&metric),
+            Self::Spinning { .. } => self.drags(point),
+        }
     }
 
     /// Parameters and their values.
     pub fn parameters(self) -> impl Iterator<Item = (&'static Parameter, f64)> {
-        let values = self.medium().map_or_else(Vec::new, |(_, metric)| metric.values());
+        let values = match self {
+            Self::Flat => Vec::new(),
+            Self::Spherical { metric, .. } => metric.values(),
+            Self::Spinning { hole, .. } => hole.values(),
+        };
         self.entry().parameters.iter().zip(values)
     }
 
@@ -227,11 +316,10 @@ impl SpacetimeKind {
 
     /// Replaces the Schwarzschild radius; a spacetime without one is unchanged.
     pub fn with_schwarzschild_radius(self, radius: f64) -> Self {
-        let Some(center) = self.center() else { return self };
         let value =
             |(p, old): (&Parameter, f64)| if p.key == SCHWARZSCHILD_RADIUS.key { radius } else { old };
         let values: Vec<f64> = self.parameters().map(value).collect();
-        self.entry().with(center, &values)
+        self.entry().with(self.placement(), &values)
     }
 
     /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed once.
@@ -248,6 +336,7 @@ impl SpacetimeKind {
         match self {
             Self::Flat => visitor.flat(),
             Self::Spherical { center, metric } => metric.visit(center, visitor),
+            Self::Spinning { placement, hole } => visitor.spinning(placement, hole),
         }
     }
 }

@@ -27,18 +27,23 @@
 
 mod chart;
 mod conformally_flat;
+mod kerr;
+mod kerr_newman;
 mod kind;
 mod named;
 mod parameter;
+mod placement;
 mod reissner_nordstrom;
 mod schwarzschild;
 mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
+pub use kerr_newman::KerrNewman;
 pub use kind::{Entry, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
 pub use named::Named;
 pub use parameter::{Parameter, Range};
+pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
 pub use schwarzschild::Schwarzschild;
 pub use side::{AtInfinity, Side};

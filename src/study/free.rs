@@ -9,7 +9,9 @@ use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
-use crate::spacetime::{ConformallyFlat, Fate, Parameter, Range, SpacetimeKind, SpacetimeVisitor};
+use crate::spacetime::{
+    ConformallyFlat, Fate, KerrNewman, Parameter, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+};
 use crate::trace::steppers::{UseStepper, with_stepper};
 
 /// A ray to be followed.
@@ -224,6 +226,14 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output {
         curved(&medium, self.x, center, self.ray, self.accuracy)
+    }
+
+    fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {
+        Err(Fault {
+            input: Input::Stepper,
+            cause: "rays around a spinning hole run in renders only".to_owned(),
+            remedy: "give another --spacetime".to_owned(),
+        })
     }
 }
 

@@ -10,7 +10,7 @@ use super::transport::TransportVisitor;
 use crate::geodesic::{Arc, Control};
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
-use crate::spacetime::{Chart, ConformallyFlat, SpacetimeVisitor};
+use crate::spacetime::{Chart, ConformallyFlat, KerrNewman, Placement, SpacetimeVisitor};
 
 /// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
@@ -55,6 +55,10 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 
     fn flat(self) -> E::Output {
         self.visitor.run(Straight::new(self.scene.geometry.bounds()))
+    }
+
+    fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {
+        self.flat()
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {

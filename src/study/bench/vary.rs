@@ -201,9 +201,8 @@ impl Vary {
 
 /// Test for rays that start outside of a hole of this radius in the place of the scene's.
 fn is_outside(scene: &Baked, radius: f64) -> bool {
-    let Some(center) = scene.spacetime.center() else { return true };
     let camera = &scene.camera;
     let start: DVec3 = camera.position + camera.near * camera.forward;
-    camera.position.distance(center).min(start.distance(center))
-        > scene.spacetime.with_schwarzschild_radius(radius).horizon()
+    let spacetime = scene.spacetime.with_schwarzschild_radius(radius);
+    !spacetime.drags(camera.position) && !spacetime.drags(start)
 }
