@@ -193,6 +193,11 @@ impl Serialize for Spacetime {
                 map.serialize_entry("horizon", &metric.horizon())?;
                 map.serialize_entry("photon_sphere", &metric.photon_sphere())?;
             }
+            SpacetimeKind::Wormhole { mouths, metric } => {
+                map.serialize_entry("far_center", &mouths.far.to_array())?;
+                map.serialize_entry("far_rotation", &mouths.rotation.to_cols_array_2d())?;
+                map.serialize_entry("throat", &metric.throat())?;
+            }
             SpacetimeKind::Spinning { placement, hole } => {
                 map.serialize_entry("axis", &placement.axis.to_array())?;
                 map.serialize_entry("horizon", &hole.horizon())?;
@@ -216,6 +221,12 @@ impl Spacetime {
                 point(&center.to_array()),
                 rounded(metric.horizon(), 4),
                 rounded(metric.photon_sphere(), 4)
+            ),
+            SpacetimeKind::Wormhole { mouths, metric } => format!(
+                "{title}{values} at {}, on the far side at {}; isotropic radius of the throat {}",
+                point(&mouths.near.to_array()),
+                point(&mouths.far.to_array()),
+                rounded(metric.throat(), 4)
             ),
             SpacetimeKind::Spinning { placement, hole } => format!(
                 "{title}{values} at {}, axis {}; radii at the equator: horizon {}, ergosphere {}",

@@ -143,7 +143,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::geometry::{Geometry, Primitives, Sphere, Surface};
-    use crate::scene::{Camera, Settings};
+    use crate::scene::{Camera, FarLights, Settings};
     use crate::shade::{Environment, Material};
     use crate::trace::{Run, probe};
 
@@ -159,6 +159,7 @@ pub(super) mod tests {
             punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
             settings: Settings::default(),
+            far: FarLights::default(),
             warnings: Vec::new(),
             notes: Vec::new(),
         }

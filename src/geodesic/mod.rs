@@ -22,7 +22,7 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, Verdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
-pub use follow::{End, Journey, follow};
+pub use follow::{End, Journey, follow, until};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};

@@ -447,6 +447,14 @@ impl Geometry {
         (!order.is_empty()).then_some((reach.nearest, reach.farthest))
     }
 
+    /// Entity of a primitive that comes nearer than `radius` to the world point `from`, on the near side.
+    pub fn entity_within(&self, from: DVec3, radius: f64) -> Option<u32> {
+        let from = from - self.origin;
+        let is_within = |slot: &u32| self.reach(*slot, from).nearest < radius;
+        let slot = self.members().map(|(slot, _)| slot).find(is_within)?;
+        Some(self.surface(PrimitiveId { item: slot, triangle: 0 }).entity)
+    }
+
     /// Smallest and largest distance of a member of the top hierarchy from a point relative to the origin.
     pub(super) fn reach(&self, slot: u32, from: DVec3) -> Reach {
         match self.item(slot) {

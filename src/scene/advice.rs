@@ -19,7 +19,8 @@ pub(super) fn of_hole(
     aspect: f64,
     boxes: &[(Bounds, u32)],
 ) -> Vec<String> {
-    let Some(center) = spacetime.center() else { return Vec::new() };
+    let mouth = spacetime.wormhole().map(|(mouths, _)| mouths.center(camera.side));
+    let Some(center) = mouth.or(spacetime.center()) else { return Vec::new() };
     let shadow = spacetime.shadow();
     let [x, y, z] = center.to_array().map(|value| value as f32);
     let mut notes = Vec::new();

@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-pub use baked::Baked;
+pub use baked::{Baked, FarLights};
 pub use camera::Camera;
 pub use error::{Place, SceneError};
 #[cfg(feature = "cli")]

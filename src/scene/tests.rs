@@ -37,7 +37,7 @@ impl Files {
             &Source { folder: self.folder.path(), bare: None, files: &Default::default(), light_scale: None },
         )
         .unwrap();
-        let (primitives, shaped) = bake::flatten(&mut world).unwrap();
+        let ([primitives, _], shaped) = bake::flatten(&mut world).unwrap();
         let names = shaped.iter().map(|entity| world.name(*entity)).collect();
         (primitives, names)
     }

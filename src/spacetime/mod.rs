@@ -27,9 +27,11 @@
 
 mod chart;
 mod conformally_flat;
+mod ellis;
 mod kerr;
 mod kerr_newman;
 mod kind;
+mod mouths;
 mod named;
 mod parameter;
 mod placement;
@@ -39,8 +41,10 @@ mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
+pub use ellis::Ellis;
 pub use kerr_newman::KerrNewman;
-pub use kind::{Entry, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use kind::{Entry, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole};
+pub use mouths::Mouths;
 pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;

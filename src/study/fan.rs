@@ -146,13 +146,13 @@ impl Fan {
     /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
-        if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {
+        if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last()) {
             match &self.hole {
                 Some((center, medium)) => {
                     let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
-                None => points.push(last + reach * direction),
+                None => points.push(last + reach * there.direction),
             }
         }
         points

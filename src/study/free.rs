@@ -10,7 +10,7 @@ use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
-    ConformallyFlat, Fate, KerrNewman, Parameter, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Fate, KerrNewman, Mouths, Parameter, Placement, Range, SpacetimeKind, SpacetimeVisitor,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
 
@@ -226,6 +226,14 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output {
         curved(&medium, self.x, center, self.ray, self.accuracy)
+    }
+
+    fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> Self::Output {
+        Err(Fault {
+            input: Input::Stepper,
+            cause: "rays through a wormhole run in renders only".to_owned(),
+            remedy: "give another --spacetime".to_owned(),
+        })
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {

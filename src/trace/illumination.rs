@@ -9,6 +9,7 @@ use crate::light::{
     Straight, Target,
 };
 use crate::scene::{Baked, LightSampling};
+use crate::spacetime::AtInfinity;
 
 /// State of light sampling: lights, sampler, guide, heuristic.
 pub struct Illumination {
@@ -22,6 +23,15 @@ pub struct Illumination {
     pub heuristic: Option<Heuristic>,
 }
 
+/// End of a ray that found light.
+#[derive(Clone, Copy, Debug)]
+pub enum End<'a> {
+    /// A surface, with its unit normal.
+    Surface(&'a Landing, DVec3),
+    /// At infinity.
+    AtInfinity(AtInfinity),
+}
+
 /// Least orientation factor of lights where the straight direction to them is a guess.
 const FLOOR: f64 = 0.1;
 
@@ -32,7 +42,7 @@ pub struct LightSummary {
     pub surfaces: usize,
     /// Punctual lights.
     pub punctual: usize,
-    /// True if directions of the sky are sampled.
+    /// True if directions of a sky are sampled.
     pub sky: bool,
     /// True if rays are guided through mirrors and glass.
     pub is_guided: bool,
@@ -57,7 +67,8 @@ impl Illumination {
             if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
-            Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
+            Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor)
+                .with_far(&scene.far.environment, &scene.far.punctual);
         let heuristic = (!straight).then_some(settings.heuristic);
         (!lights.is_empty()).then_some(Self { lights, sampler, guide: None, heuristic })
     }
@@ -67,7 +78,7 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: scene.punctual.len(),
+            punctual: scene.punctual.len() + scene.far.punctual.len(),
             sky: self.lights.has_sky(),
             is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }
@@ -94,15 +105,14 @@ impl Illumination {
             self.sampler.sample(&self.lights, receiver, numbers)?;
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
-            Incoming::Sky(at_infinity, density) => Incoming::Sky(at_infinity, direct * density),
+            Incoming::Sky(there, density) => Incoming::Sky(there, direct * density),
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })
     }
 
-    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with the
-    /// normal there), or at infinity in the unit `direction` of travel.
-    pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
+    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.
+    pub fn density(&self, vertex: &Vertex, end: End) -> f64 {
         let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);
         if vertex.after_specular {
@@ -110,13 +120,13 @@ impl Illumination {
             return near.map_or(0.0, density);
         }
         let (lights, out) = (&self.lights, vertex.direction);
-        let density = match surface {
-            Some((landing, normal)) => {
-                let Landing { primitive, position, .. } = *landing;
-                let hit = EmitterHit { primitive, position, normal, arrival: direction };
+        let density = match end {
+            End::Surface(landing, normal) => {
+                let Landing { primitive, position, direction: arrival } = *landing;
+                let hit = EmitterHit { primitive, position, normal, arrival };
                 self.sampler.surface_density(lights, &receiver, out, &hit)
             }
-            None => self.sampler.sky_density(lights, &receiver, out, direction),
+            End::AtInfinity(there) => self.sampler.sky_density(lights, &receiver, out, there),
         };
         (1.0 - near.map_or(0.0, |near| near.share)) * density
     }

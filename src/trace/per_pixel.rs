@@ -42,8 +42,9 @@ fn trace_path<T: Transport>(
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
     let mut carried = T::Carried::default();
+    let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
     let mut flight =
-        transport.launch(&Start { position, direction, origin_prim: PrimitiveId::NONE, carried });
+        transport.launch(&Start { position, direction, origin_prim, carried });
     let mut vertex = Vertex::default();
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
@@ -77,8 +78,8 @@ fn trace_path<T: Transport>(
                     }
                     false
                 }
-                Progress::Escaped(direction) => {
-                    light::escape(job, &mut path, &vertex, direction);
+                Progress::Escaped(there) => {
+                    light::escape(job, &mut path, &vertex, there);
                     false
                 }
                 Progress::Ended(is_reached) => is_reached,
@@ -90,7 +91,7 @@ fn trace_path<T: Transport>(
             continue;
         }
         let (outcome, arrived) = transport.settle(Some(geometry), &flight, &step, found);
-        let fate = match outcome {
+        let (fate, side) = match outcome {
             Outcome::Flying(next) => {
                 flight = next;
                 continue;
@@ -109,25 +110,25 @@ fn trace_path<T: Transport>(
                     None => break,
                 }
             }
-            Outcome::Escaped(direction) => {
+            Outcome::Escaped(there) => {
                 counters.fates.escaped += 1;
-                escape(job, &mut path, &vertex, direction);
-                Fate::Escaped
+                escape(job, &mut path, &vertex, there);
+                (Fate::Escaped, Some(there.side))
             }
             Outcome::Captured => {
                 counters.fates.captured += 1;
-                Fate::Captured
+                (Fate::Captured, None)
             }
             Outcome::StepLimit => {
                 counters.fates.step_limit += 1;
-                Fate::StepLimit
+                (Fate::StepLimit, None)
             }
             Outcome::NonFinite => {
                 counters.fates.non_finite += 1;
-                Fate::NonFinite
+                (Fate::NonFinite, None)
             }
         };
-        record_end(job, &path, fate, samples);
+        record_end(job, &path, fate, side, samples);
         break;
     }
     samples.radiance[path.slot as usize] = path.radiance;

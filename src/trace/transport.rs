@@ -12,6 +12,7 @@ use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::light::Aim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
+use crate::spacetime::{AtInfinity, Side};
 
 /// Arrival of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +32,8 @@ pub enum Outcome<Flight> {
     Flying(Flight),
     /// It meets a surface.
     Landed(Landing),
-    /// It leaves to infinity, with this unit direction there.
-    Escaped(DVec3),
+    /// It leaves to infinity.
+    Escaped(AtInfinity),
     /// It falls through the horizon.
     Captured,
     /// It took more steps than allowed.
@@ -48,7 +49,7 @@ impl<Flight> Outcome<Flight> {
         match self {
             Self::Flying(next) => Err(next),
             Self::Landed(landing) => Ok(Outcome::Landed(landing)),
-            Self::Escaped(direction) => Ok(Outcome::Escaped(direction)),
+            Self::Escaped(there) => Ok(Outcome::Escaped(there)),
             Self::Captured => Ok(Outcome::Captured),
             Self::StepLimit => Ok(Outcome::StepLimit),
             Self::NonFinite => Ok(Outcome::NonFinite),
@@ -63,7 +64,7 @@ pub struct Start<C = ()> {
     pub position: DVec3,
     /// Unit direction in the static frame.
     pub direction: DVec3,
-    /// The primitive it lies on.
+    /// The primitive it lies on, or none: on the ray's side of a wormhole.
     pub origin_prim: PrimitiveId,
     /// Payload of the ray from there.
     pub carried: C,
@@ -96,8 +97,9 @@ pub trait Transport: Send + Sync + Sized {
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
     /// Payload of a ray: its state beside place and direction, which passes from its start to its end, and on to the
-    /// rays that start there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither
-    /// memory nor time. Rays of the camera and of lamps start with the default.
+    /// rays that start there: time, the ratio of frequencies. (The side of a wormhole is told by the primitives that a
+    /// ray starts and ends on.) Nothing, `()`, takes neither memory nor time. Rays of the camera and of lamps start with
+    /// the default.
     type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
     /// True if all rays are straight lines.
     const IS_STRAIGHT: bool = false;
@@ -170,6 +172,11 @@ pub trait Transport: Send + Sync + Sized {
                 (outcome, carried) => end(lane, outcome, carried),
             }
         }
+    }
+
+    /// Side of a wormhole that a ray is on before its move.
+    fn side(&self, _: &Self::Flight) -> Side {
+        Side::Near
     }
 
     /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
@@ -320,7 +327,7 @@ mod tests {
             };
             let outcome = match outcome {
                 Outcome::Landed(landing) => Outcome::Landed(landing),
-                Outcome::Escaped(direction) => Outcome::Escaped(direction),
+                Outcome::Escaped(there) => Outcome::Escaped(there),
                 other => panic!("{other:?} of a straight ray"),
             };
             (outcome, side)

@@ -13,6 +13,7 @@ mod geodesics {
     mod spacetimes;
     mod steppers;
     mod tolerance;
+    mod wormhole_rays;
 }
 
 mod geometry {

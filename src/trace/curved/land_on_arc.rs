@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::rays::Curved;
+use super::worlds::Worlds;
 use crate::geodesic::Arc;
 use crate::geometry::Found;
 use crate::math::columns::{Columns, columns};
@@ -52,7 +53,7 @@ pub struct ArcLandings {
     headings: Columns<Heading>,
 }
 
-impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     /// Landing of a ray that stays on its arc.
     pub(super) fn land_on_arc(
         &self,

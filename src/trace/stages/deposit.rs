@@ -34,7 +34,7 @@ impl Source {
         let emitter = match vertex.target {
             Target::Surface(primitive, _) => Emitter::Surface(primitive),
             Target::Point(index) => Emitter::Point(index),
-            Target::Infinity => Emitter::Infinity,
+            Target::Infinity(_) => Emitter::Infinity,
             Target::Nothing | Target::ThroughSpecular => return None,
         };
         Some(Self { emitter, segments: vertex.depth })

@@ -436,7 +436,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
                 (target, Outcome::Landed(landing)) => {
                     sampler.reaches(target, landing.primitive, landing.position)
                 }
-                (Target::Infinity, Outcome::Escaped(_)) => true,
+                (Target::Infinity(_), Outcome::Escaped(_)) => true,
                 _ => false,
             };
             met.then_some((sample.direction, 0.0))

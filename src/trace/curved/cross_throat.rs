@@ -1,0 +1,54 @@
+//! Crossing the throat of a wormhole: a step that passes it ends there, and the ray goes on in the chart of the other side.
+
+use super::flight::{CurvedFlight, CurvedMove, Lane, Turn};
+use super::rays::Curved;
+use super::worlds::{Throat, Worlds};
+use crate::geometry::PrimitiveId;
+use crate::spacetime::{ConformallyFlat, Fate};
+
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
+    /// The ray on the other side of the throat, if its step passes that: nothing is met within.
+    #[inline(always)]
+    pub(super) fn crossing(
+        &self,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+    ) -> Option<CurvedFlight<R>> {
+        let throat = self.worlds.throat()?;
+        let passes = step.accepted & (flight.fate == Fate::Falls) & (step.w.value() * throat.radius >= 1.0);
+        passes.then(|| self.beyond(throat, flight, step))
+    }
+
+    #[inline(never)]
+    fn beyond(
+        &self,
+        Throat { mouths, radius }: Throat<'_>,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+    ) -> CurvedFlight<R> {
+        let (h, phase) = self.march.until(flight, R::of(1.0 / radius));
+        let phase = phase.beyond_throat();
+        // In f64, so that the vectors stay orthonormal.
+        let tangent = (flight.b * h).value();
+        let cos = 1.0 / (1.0 + tangent * tangent).sqrt();
+        let sin = tangent * cos;
+        let side = flight.origin_prim.side();
+        let radial = -mouths.turned(side, cos * flight.radial + sin * flight.along);
+        let along = -mouths.turned(side, cos * flight.along - sin * flight.radial);
+        CurvedFlight {
+            position: radius * radial,
+            radial,
+            along,
+            w: phase.w,
+            v: phase.v,
+            pull: phase.pull,
+            h: self.within(step.next_h, flight.b, &phase),
+            error: step.error,
+            fate: Fate::Escapes,
+            origin_prim: PrimitiveId::none_on(side.other()),
+            steps: flight.steps + 1,
+            turn: Turn::Flies,
+            ..*flight
+        }
+    }
+}
