@@ -1,6 +1,7 @@
 //! All lights of a scene, and the choice of one of them.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
@@ -11,7 +12,7 @@ use super::sky::Sky;
 use super::tree::{Emission, Tree};
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::shade::{Environment, Material};
-use crate::spacetime::Side;
+use crate::spacetime::{Mouths, Side};
 
 /// All light that can be sampled.
 pub struct Lights {
@@ -27,8 +28,35 @@ pub struct Lights {
     skies: Vec<(Side, Sky)>,
     /// Over `emitters`, then `points`.
     tree: Tree,
+    /// The same for receivers on the far side of a wormhole.
+    far_tree: Tree,
+    /// Throat through which the lights of the other side are seen.
+    throat: Option<Throat>,
     /// Least orientation factor of the tree.
     floor: f64,
+}
+
+/// Throat of a wormhole, as a light tree sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Throat {
+    /// Its centres on both sides.
+    pub mouths: Mouths,
+    /// Isotropic radius.
+    pub radius: f64,
+    /// Impact parameter below which rays pass.
+    pub critical: f64,
+}
+
+impl Throat {
+    /// The emission of the other side as it comes out of the mouth on `side`. A pencil of radial rays from R to R′ beyond
+    /// spreads to (π R R′/b_c)² times its solid angle.
+    fn transmits(&self, side: Side, emission: Emission) -> Emission {
+        let (center, beyond) = (self.mouths.center(side), self.mouths.center(side.other()));
+        let distance = (0.5 * (emission.min + emission.max)).distance(beyond).max(self.radius);
+        let power = emission.power * (self.critical / (PI * distance)).powi(2);
+        let (min, max) = (center - self.radius, center + self.radius);
+        Emission { min, max, power, axis: DVec3::Z, cos_normals: -1.0, ..emission }
+    }
 }
 
 /// A light that was chosen, and the probability of the choice.
@@ -63,9 +91,11 @@ impl Lights {
                 Emitter { primitive, form, radiance: emission, both_sides: emits_both_sides }
             })
             .collect();
-        let (by_primitive, tree) = (HashMap::new(), Tree::default());
+        let (by_primitive, tree, far_tree) = (HashMap::new(), Tree::default(), Tree::default());
         let (points, distant, skies) = (Vec::new(), Vec::new(), Vec::new());
-        let mut lights = Self { emitters, by_primitive, points, distant, skies, tree, floor };
+        let throat = None;
+        let mut lights =
+            Self { emitters, by_primitive, points, distant, skies, tree, far_tree, throat, floor };
         lights.add(Side::Near, environment, punctual);
         lights.build_tree();
         let indices = lights.emitters.iter().zip(0..);
@@ -82,6 +112,13 @@ impl Lights {
         self
     }
 
+    /// The lights of two worlds that a throat joins.
+    pub fn through(self, throat: Throat) -> Self {
+        let mut lights = Self { throat: Some(throat), ..self };
+        lights.build_tree();
+        lights
+    }
+
     /// Adds a sky and punctual lights; true if some are for the tree.
     fn add(&mut self, side: Side, environment: &Environment, punctual: &[Punctual]) -> bool {
         let (distant, points): (Vec<Punctual>, Vec<_>) =
@@ -96,13 +133,34 @@ impl Lights {
     }
 
     fn build_tree(&mut self) {
-        let points: Vec<Emission> = self.points.iter().filter_map(|(_, light)| light.emission()).collect();
+        let points: Vec<(Side, Emission)> =
+            self.points.iter().filter_map(|(side, light)| Some((*side, light.emission()?))).collect();
         let surfaces = self.emitters.len();
         let emission = |index: u32| match self.emitters.get(index as usize) {
-            Some(emitter) => emitter.emission(),
+            Some(emitter) => (emitter.primitive.side(), emitter.emission()),
             None => points[index as usize - surfaces],
         };
-        self.tree = Tree::build((surfaces + points.len()) as u32, emission, self.floor);
+        let count = (surfaces + points.len()) as u32;
+        let Some(throat) = self.throat else {
+            self.tree = Tree::build(count, |index| emission(index).1, self.floor);
+            return;
+        };
+        let seen_from = |side| {
+            let emission = |index| match emission(index) {
+                (of, emission) if of == side => emission,
+                (_, emission) => throat.transmits(side, emission),
+            };
+            Tree::build(count, emission, self.floor)
+        };
+        (self.tree, self.far_tree) = (seen_from(Side::Near), seen_from(Side::Far));
+    }
+
+    /// The tree for receivers on a side.
+    fn tree(&self, side: Side) -> &Tree {
+        match (side, self.throat) {
+            (Side::Far, Some(_)) => &self.far_tree,
+            (Side::Near, _) | (Side::Far, None) => &self.tree,
+        }
     }
 
     /// Limits the points on spheres to the parts `cap` gives for them, if any.
@@ -158,7 +216,11 @@ impl Lights {
     pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<Choice<'_>> {
         let [in_world, distant, sky] = self.shares();
         if u < in_world {
-            let (index, pmf, _) = self.tree.sample(receiver.position, Some(receiver.normal), u / in_world)?;
+            let (index, pmf, _) = self.tree(receiver.on.side()).sample(
+                receiver.position,
+                Some(receiver.normal),
+                u / in_world,
+            )?;
             let pmf = in_world * pmf;
             return Some(match self.emitters.get(index as usize) {
                 Some(emitter) => Choice::Surface(emitter, pmf),
@@ -191,7 +253,8 @@ impl Lights {
 
     /// Probability with which [`Self::choose`] chooses the emitter with this index.
     pub(super) fn emitter_pmf(&self, index: u32, receiver: &Receiver) -> f64 {
-        self.shares()[0] * self.tree.probability(index, receiver.position, Some(receiver.normal))
+        let tree = self.tree(receiver.on.side());
+        self.shares()[0] * tree.probability(index, receiver.position, Some(receiver.normal))
     }
 
     /// The sky of a side, with the probability with which [`Self::choose`] chooses it.

@@ -37,13 +37,7 @@ pub trait LightSampler: Send + Sync {
 
     /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity
     /// `there`.
-    fn sky_density(
-        &self,
-        lights: &Lights,
-        receiver: &Receiver,
-        direction: DVec3,
-        there: AtInfinity,
-    ) -> f64;
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64;
 
     /// True if a light ray that lands at `position` on `primitive` has reached its target.
     fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool;
@@ -55,9 +49,7 @@ impl<A: Aim> LightSampler for A {
         let x = self.place(receiver.on.side(), receiver.position);
         match choice {
             Choice::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
-            Choice::Point(side, light, index, pmf) => {
-                sample_point(self, &x, (side, light, index, pmf), u[0])
-            }
+            Choice::Point(side, light, index, pmf) => sample_point(self, &x, (side, light, index, pmf), u[0]),
             Choice::Distant(side, light, inverse_pmf) => {
                 sample_distant(self, &x, (side, light, inverse_pmf), u[0])
             }
@@ -92,13 +84,7 @@ impl<A: Aim> LightSampler for A {
         finite(pmf * winding_pmf * emitter.density(&view, hit.normal) / (geometry_factor * cos.abs()))
     }
 
-    fn sky_density(
-        &self,
-        lights: &Lights,
-        receiver: &Receiver,
-        direction: DVec3,
-        there: AtInfinity,
-    ) -> f64 {
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64 {
         let Some((sky, pmf)) = lights.sky(there.side) else { return 0.0 };
         let (x, y) = (self.place(receiver.on.side(), receiver.position), self.infinity(there));
         let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, there.direction) else {

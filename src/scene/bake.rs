@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
 
-use super::advice;
 use super::StepperKind;
+use super::advice;
 use super::baked::{Baked, FarLights};
 use super::camera::Camera;
 use super::check::LARGEST;
@@ -255,7 +255,8 @@ fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
     let start: DVec3 = camera.position + camera.near * camera.forward;
     let is_far = camera.side == Side::Far && world.spacetime.wormhole().is_none();
-    if is_far || [camera.position, start].into_iter().any(|at| world.spacetime.is_in_throat(camera.side, at)) {
+    if is_far || [camera.position, start].into_iter().any(|at| world.spacetime.is_in_throat(camera.side, at))
+    {
         let problem = if is_far {
             "the camera is on the far side, and the spacetime has none"
         } else {

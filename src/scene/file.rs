@@ -98,7 +98,8 @@ static SPACETIME_NAMES: LazyLock<Vec<&str>> =
     LazyLock::new(|| SPACETIMES.iter().map(|entry| entry.name).collect());
 static SPACETIME_KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
     let parameters = SPACETIMES.iter().flat_map(|entry| entry.parameters).map(|parameter| parameter.key);
-    let mut keys: Vec<&str> = ["kind", "center", "axis", "far_center", "far_rotate"].into_iter().chain(parameters).collect();
+    let mut keys: Vec<&str> =
+        ["kind", "center", "axis", "far_center", "far_rotate"].into_iter().chain(parameters).collect();
     let mut known = BTreeSet::new();
     keys.retain(|key| known.insert(*key));
     keys

@@ -116,7 +116,9 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
         placement.far_rotation = DMat3::from_quat(turned(rotation)?);
     }
     if !table.kind.has_far_side && (table.far_center.is_some() || table.far_rotate.is_some()) {
-        warnings.push(format!("spacetime.far_center and far_rotate have no effect, since spacetime.kind is {name}"));
+        warnings.push(format!(
+            "spacetime.far_center and far_rotate have no effect, since spacetime.kind is {name}"
+        ));
     }
     for (key, value) in &table.parameters {
         if parameters.iter().all(|parameter| parameter.key != *key) && *value.get_ref() != 0.0 {

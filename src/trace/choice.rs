@@ -86,8 +86,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let world = |side| World::new(mouths.center(side), scene.geometry.of(side), arc_tolerance);
         let (near, far) = (world(Side::Near), world(Side::Far));
         let worlds = TwoWorlds { near, far, mouths, throat: medium.throat() };
-        let place =
-            Place { medium, worlds, sky, chart: Chart::to_throat(&medium, farthest), arc_tolerance };
+        let place = Place { medium, worlds, sky, chart: Chart::to_throat(&medium, farthest), arc_tolerance };
         match scene.settings.precision {
             Precision::F32 => visitor.run(place.through::<f32>(scene)),
             Precision::F64 => visitor.run(place.through::<f64>(scene)),

@@ -6,10 +6,10 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
     EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
-    Straight, Target,
+    Straight, Target, Throat,
 };
 use crate::scene::{Baked, LightSampling};
-use crate::spacetime::AtInfinity;
+use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 
 /// State of light sampling: lights, sampler, guide, heuristic.
 pub struct Illumination {
@@ -17,8 +17,8 @@ pub struct Illumination {
     pub lights: Lights,
     /// Sampling with the aim of the scene's transport, or a straight one on request.
     sampler: Box<dyn LightSampler>,
-    /// Directions of light through mirrors and glass, once they are learned.
-    pub guide: Option<Guide>,
+    /// Directions of light through mirrors and glass by side, near and far, once they are learned.
+    pub guides: [Option<Guide>; 2],
     /// Heuristic that shares light; `None`: all of it belongs to light sampling, as in the paper, nothing is learned.
     pub heuristic: Option<Heuristic>,
 }
@@ -69,8 +69,16 @@ impl Illumination {
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor)
                 .with_far(&scene.far.environment, &scene.far.punctual);
+        let lights = match scene.spacetime.wormhole() {
+            Some((mouths, metric)) => lights.through(Throat {
+                mouths,
+                radius: metric.throat(),
+                critical: metric.critical_impact_parameter(),
+            }),
+            None => lights,
+        };
         let heuristic = (!straight).then_some(settings.heuristic);
-        (!lights.is_empty()).then_some(Self { lights, sampler, guide: None, heuristic })
+        (!lights.is_empty()).then_some(Self { lights, sampler, guides: [None, None], heuristic })
     }
 
     /// Summarizes it for `scene`, which it is of.
@@ -86,7 +94,7 @@ impl Illumination {
 
     /// True if light through mirrors and glass is sampled.
     pub fn is_guided(&self) -> bool {
-        self.guide.is_some()
+        self.guides.iter().any(Option::is_some)
     }
 
     /// A direction in which light may come to `receiver`, from four numbers in [0, 1): densities and probabilities are
@@ -133,7 +141,12 @@ impl Illumination {
 
     /// Neighbourhood of a receiver in the guide; `None` if no light through mirrors and glass is known there.
     fn near(&self, receiver: &Receiver) -> Option<Neighbourhood<'_>> {
-        self.guide.as_ref()?.around(receiver.position)
+        let [near, far] = &self.guides;
+        let guide = match receiver.on.side() {
+            Side::Near => near,
+            Side::Far => far,
+        };
+        guide.as_ref()?.around(receiver.position)
     }
 
     /// True if a light ray that lands has reached its target.

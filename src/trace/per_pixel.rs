@@ -43,8 +43,7 @@ fn trace_path<T: Transport>(
     let (mut path, position, direction) = generate(job, work, index);
     let mut carried = T::Carried::default();
     let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
-    let mut flight =
-        transport.launch(&Start { position, direction, origin_prim, carried });
+    let mut flight = transport.launch(&Start { position, direction, origin_prim, carried });
     let mut vertex = Vertex::default();
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;

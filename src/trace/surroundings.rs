@@ -24,7 +24,9 @@ const MOST: usize = 1000;
 /// The dielectrics around `place` on a side; none where glass is not closed.
 pub fn media_around(scene: &Baked, side: Side, place: DVec3) -> Media {
     let has_glass = scene.materials.iter().any(|material| material.is_dielectric());
-    let Some((min, max)) = scene.geometry.of(side).and_then(Geometry::bounds).filter(|_| has_glass) else { return Media::VACUUM };
+    let Some((min, max)) = scene.geometry.of(side).and_then(Geometry::bounds).filter(|_| has_glass) else {
+        return Media::VACUUM;
+    };
     let reach = min.distance(max) + place.distance(0.5 * (min + max));
     let [first, others @ ..] = FROM.map(|from| media_after(scene, side, place + reach * from, place));
     first.filter(|_| others.iter().all(|other| *other == first)).unwrap_or_default()

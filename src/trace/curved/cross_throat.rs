@@ -9,11 +9,7 @@ use crate::spacetime::{ConformallyFlat, Fate};
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     /// The ray on the other side of the throat, if its step passes that: nothing is met within.
     #[inline(always)]
-    pub(super) fn crossing(
-        &self,
-        flight: &CurvedFlight<R>,
-        step: &CurvedMove<R>,
-    ) -> Option<CurvedFlight<R>> {
+    pub(super) fn crossing(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Option<CurvedFlight<R>> {
         let throat = self.worlds.throat()?;
         let passes = step.accepted & (flight.fate == Fate::Falls) & (step.w.value() * throat.radius >= 1.0);
         passes.then(|| self.beyond(throat, flight, step))

@@ -104,9 +104,8 @@ impl World {
         let bounds = geometry.and_then(Geometry::bounds);
         let (low, high) = bounds.unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
         let boxes = geometry.filter(|geometry| !geometry.is_small::<Arc>());
-        let longest_sagitta = boxes.map_or(f64::INFINITY, |geometry| {
-            (4.0 * arc_tolerance).max(SAGITTA * geometry.typical_extent())
-        });
+        let longest_sagitta = boxes
+            .map_or(f64::INFINITY, |geometry| (4.0 * arc_tolerance).max(SAGITTA * geometry.typical_extent()));
         Self { center, bounds: (low, high), longest_sagitta, longest_chord: CHORD * low.distance(high) }
     }
 

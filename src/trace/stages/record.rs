@@ -19,6 +19,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
         fate: Fate::Hit,
+        side: Some(landing.primitive.side()),
         length: ray.length,
         position: landing.position,
         normal: surface.shading_normal,
@@ -33,12 +34,12 @@ pub fn record_end(job: &Job, path: &Path, fate: Fate, side: Option<Side>, sample
     if path.depth > 1 {
         return;
     }
-    let is_backed = |side| {
-        job.settings.background == Background::Opaque && !job.scene.environment(side).is_black()
-    };
+    let is_backed =
+        |side| job.settings.background == Background::Opaque && !job.scene.environment(side).is_black();
     samples.covered[path.slot as usize] = side.is_none_or(is_backed);
     if samples.needs().camera_ray {
-        samples.camera_rays[path.slot as usize].fate = fate;
+        let ray = &mut samples.camera_rays[path.slot as usize];
+        (ray.fate, ray.side) = (fate, side);
     }
 }
 

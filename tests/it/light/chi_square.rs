@@ -317,6 +317,7 @@ fn learnt_directions_have_the_density_that_is_said_of_them() {
         let axis = random.direction();
         let photons: Vec<Photon> = (0..40)
             .map(|index| Photon {
+                side: warpfront::spacetime::Side::Near,
                 position: random.in_cube() * DVec3::new(1.0, 1.0, 0.01),
                 normal: DVec3::Z,
                 direction: (axis + spread * random.in_cube()).normalize(),
