@@ -1,5 +1,5 @@
-//! Light samples: an emitter of ten thousand for a point among them, and directions in which lamps may be seen from where
-//! camera rays land in a scene. One core.
+//! Light samples: an emitter of ten thousand for a point among them, and directions in which lamps may be seen from
+//! where camera rays land in a scene. One core.
 
 mod common;
 
@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, Straight, Tree};
+use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, StraightAim, Tree};
 use warpfront::scene::{self, Baked};
 use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::transport::Outcome;
@@ -67,7 +67,8 @@ fn probability(bencher: Bencher) {
 /// The scene whose lamp is proposed.
 const SCENE: &str = "scenes/cornell_black_hole.toml";
 
-/// Where rays through random places of the film land: the points, their normals towards the camera, and what they lie on.
+/// Where rays through random places of the film land: the points, their normals towards the camera, and what they lie
+/// on.
 fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3, PrimitiveId)> {
     let mut ray = || {
         let (position, direction) = scene.camera.ray(DVec2::from_array(random.random()), 4.0 / 3.0);
@@ -102,7 +103,7 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
 
 #[divan::bench]
 fn propose_along_lines(bencher: Bencher) {
-    propose(bencher, |_| Straight);
+    propose(bencher, |_| StraightAim);
 }
 
 #[divan::bench]

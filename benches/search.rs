@@ -1,10 +1,10 @@
 //! The first hit in a mesh of 327 680 triangles, along short arcs of marched rays and along whole straight rays: the
 //! choice of hierarchy. One core.
 //!
-//! The engine's own hierarchy, which widens every box by the bow of the arc at hand, one walk after the other and eight by
-//! turns, against obvhs's own traversals of its `CwBvh` and of its `Bvh2`, whose boxes must be inflated by the largest
-//! sagitta when they are built. All test the same f64 primitives in the end; how many hits each finds is printed first, and
-//! the numbers must agree.
+//! The engine's own hierarchy, which widens every box by the bow of the arc at hand, one walk after the other and eight
+//! by turns, against obvhs's own traversals of its `CwBvh` and of its `Bvh2`, whose boxes must be inflated by the
+//! largest sagitta when they are built. All test the same f64 primitives in the end; how many hits each finds is
+//! printed first, and the numbers must agree.
 
 mod common;
 

@@ -27,13 +27,13 @@
 //!     ..Baked::default()
 //! };
 //! let picture = render(&scene, &Run::default(), &AtomicBool::new(false), &|_| ()).image;
-//! let red = picture.plane("R").expect("a colour");
+//! let red = picture.channel("R").expect("a colour");
 //! // The hole's shadow in the middle, the sky in a corner.
 //! assert_eq!((red[12 * 32 + 16], red[0]), (0.0, 1.0));
 //! ```
 //!
-//! Scenes from files come from [`scene::load`]; a render that stops and goes on is a [`trace::Session`], which also takes
-//! a spacetime of your own ([`trace::Session::around`]).
+//! Scenes from files come from [`scene::load`]; a render that stops and goes on is a [`trace::Session`], which also
+//! takes a spacetime of your own ([`trace::Session::around`]).
 //!
 //! # Conventions
 //!

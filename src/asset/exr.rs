@@ -167,8 +167,8 @@ impl<'a> ExrFile<'a> {
         name.map(|name| text(name.as_slice())).unwrap_or_default()
     }
 
-    /// Finds the colours: channels without a layer, else those of Blender's `Combined` or the like, else the first layer
-    /// with colours.
+    /// Finds the colours: channels without a layer, else those of Blender's `Combined` or the like, else the first
+    /// layer with colours.
     ///
     /// # Errors
     /// There are none.
@@ -267,8 +267,8 @@ impl<'a> ExrFile<'a> {
         self.meta.headers[part].own_attributes.environment_map == Some(EnvironmentMap::Cube)
     }
 
-    /// Reads some channels of a part: gives `put` the index within `channels`, column and row within the data window, and
-    /// value of each sample.
+    /// Reads some channels of a part: gives `put` the index within `channels`, column and row within the data window,
+    /// and value of each sample.
     ///
     /// # Errors
     /// The part is damaged, cut off, of a kind that cannot be read, or its chunks do not fit in memory.

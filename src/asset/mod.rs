@@ -3,7 +3,7 @@
 #![doc = include_str!("formats.md")]
 
 mod error;
-pub mod exr;
+pub(crate) mod exr;
 mod files;
 mod flaw;
 mod gltf;
@@ -20,9 +20,9 @@ mod tidy;
 
 pub use error::AssetError;
 pub use files::Files;
-pub use flaw::Flaw;
-pub use gltf::load as load_gltf;
+pub(crate) use flaw::Flaw;
+pub(crate) use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
 pub use memory::Memory;
-pub use model::{Lens, Model, Node, Part};
-pub use obj::load as load_obj;
+pub(crate) use model::{Model, ModelNode};
+pub(crate) use obj::load as load_obj;

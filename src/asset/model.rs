@@ -14,14 +14,14 @@ pub struct Model {
     /// Materials.
     pub materials: Vec<Material>,
     /// Nodes; a parent comes before its children.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<ModelNode>,
     /// Features approximated or ignored, one line each.
     pub warnings: Vec<String>,
 }
 
 /// A named place in the tree.
 #[derive(Clone, Debug)]
-pub struct Node {
+pub struct ModelNode {
     /// Name in the file.
     pub name: String,
     /// Index of the parent in [`Model::nodes`].
@@ -31,7 +31,7 @@ pub struct Node {
     /// Meshes placed here.
     pub parts: Vec<Part>,
     /// A camera placed here.
-    pub lens: Option<Lens>,
+    pub camera: Option<ModelCamera>,
     /// A light placed here, in this node's space; photometric: candela, or lux if distant.
     pub light: Option<Punctual>,
     /// Schwarzschild radius of a black hole placed here, in this node's units of length.
@@ -49,7 +49,7 @@ pub struct Part {
 
 /// A perspective camera that looks along −Z of its node, +Y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lens {
+pub struct ModelCamera {
     /// Vertical field of view, radians.
     pub vertical_fov: f64,
     /// Width over height of the picture that it is meant for.

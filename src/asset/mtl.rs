@@ -51,7 +51,7 @@ impl Libraries {
         }
         for name in library_names(names, folder) {
             let path = find(folder, name);
-            // The same file may have many names.
+            // One file may have many names.
             if !self.read.insert(std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone())) {
                 continue;
             }

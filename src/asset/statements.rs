@@ -1,5 +1,5 @@
-//! Statements of OBJ and MTL files as people have them: lines that end with LF, CR LF or CR and go on after a backslash,
-//! a byte order mark, comments, text in whatever encoding. No file is held in memory.
+//! Statements of OBJ and MTL files as people have them: lines that end with LF, CR LF or CR and go on after a
+//! backslash, a byte order mark, comments, text in whatever encoding. No file is held in memory.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};

@@ -151,7 +151,7 @@ pub(super) struct RaysArgs {
     /// Angle from the first ray to the last, degrees [default: the camera's horizontal field of view]
     #[arg(long, value_name = "DEG", value_parser = parse::angle, allow_hyphen_values = true)]
     pub(super) fan: Option<f64>,
-    /// Where the rays start; they then fan out towards the hole [default: the camera]
+    /// Start of the rays; they then fan out towards the hole [default: the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::triple, allow_hyphen_values = true)]
     pub(super) from: Option<[f64; 3]>,
     /// Direction up from the plane of the rays, as far as the hole in the plane allows [default: the plane holds the
@@ -175,8 +175,8 @@ pub(super) struct StudyArgs {
     pub(super) changes: ChangeArgs,
     #[command(flatten)]
     pub(super) reads: ReadArgs,
-    /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of exact
-    /// ends: status,x1,y1,z1,dx1,dy1,dz1,sens [default: none]
+    /// CSV file with a ray per row, to be followed through empty space, instead of a scene; may have the columns of
+    /// exact ends: status,x1,y1,z1,dx1,dy1,dz1,sens [default: none]
     #[arg(
         long,
         value_name = "RAYS.csv",
@@ -192,8 +192,8 @@ pub(super) struct StudyArgs {
     /// Steppers, separated by commas [default: all; with --rays, all but rk4-paper]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "light_sampling")]
     pub(super) steppers: Vec<StepperKind>,
-    /// Numbers that orbits are followed in, separated by commas; f32 only with tolerances from 1.2e-5 up, below which it
-    /// does not go
+    /// Numbers that orbits are followed in, separated by commas; f32 only with tolerances from 1.2e-5 up, below which
+    /// it does not go
     #[arg(
         long,
         value_name = "LIST",
@@ -305,8 +305,8 @@ pub(super) struct ConnectArgs {
     /// Spacetime that the points are in
     #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME", default_value = "schwarzschild")]
     pub(super) spacetime: &'static Entry,
-    /// Highest order: a ray of order 0 takes the short way, of order 1 the other way round, of order 2 the short way once
-    /// around the hole, and so on
+    /// Highest order: a ray of order 0 takes the short way, of order 1 the other way round, of order 2 the short way
+    /// once around the hole, and so on
     #[arg(long, value_name = "N", value_parser = parse::winding, default_value = "1", allow_hyphen_values = true)]
     pub(super) max_winding: u32,
     /// CSV file to write [default: standard output]
@@ -325,7 +325,7 @@ pub(super) struct ConnectArgs {
 /// Arguments of `completions`.
 #[derive(Debug, Args)]
 pub(super) struct CompletionsArgs {
-    /// Which shell
+    /// Shell to complete commands in
     #[arg(value_enum, value_name = "SHELL")]
     pub(super) shell: Shell,
 }

@@ -3,11 +3,11 @@
 use std::io::Write;
 
 use super::bench_args::BenchArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::measure;
-use super::outcome::Outcome;
-use super::prefixed::{Files, with_suffix};
+use super::prefixed::{StudyFiles, with_suffix};
 use super::progress::Meter;
 use super::say::{print, say, say_remarks};
 use super::shared_args::distinct;
@@ -15,14 +15,14 @@ use super::units::plural;
 use super::{memory, overwrite};
 use crate::film::atomic::Output;
 use crate::scene::{self, Baked, LoadOptions};
-use crate::study::bench::{Bench, Contender, Point, Race, Record, Refusal, Vary, report};
+use crate::study::bench::{Bench, BenchRecord, Contender, Point, Race, Vary, VaryError, report};
 
 /// Races the wavefront against its baselines, prints what was found, and writes it if asked to.
-pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
     let _ends_the_process = Interrupt::install();
     args.check()?;
     let outputs = args.output.as_deref().map(|prefix| -> Result<_, Failure> {
-        Ok((Files::open(prefix)?, Output::create(&with_suffix(prefix, "json"))?))
+        Ok((StudyFiles::open(prefix)?, Output::create(&with_suffix(prefix, "json"))?))
     });
     let outputs = outputs.transpose()?;
     let path = &args.scene.path;
@@ -49,7 +49,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
     if let Some((files, json)) = outputs {
         let names = format!("{}, {}", files.names(), json.path().display());
         let name = path.display().to_string();
-        let record = Record::new(&name, args.sweep, &races);
+        let record = BenchRecord::new(&name, args.sweep, &races);
         json.commit(|out| {
             serde_json::to_writer_pretty(&mut *out, &record)?;
             out.write_all(b"\n")
@@ -57,7 +57,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Outcome, Failure> {
         files.write(&report)?;
         say(format!("wrote {names}"));
     }
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }
 
 /// Who races.
@@ -98,8 +98,8 @@ fn conditions(args: &BenchArgs, races: &[Race]) -> String {
     )
 }
 
-impl From<Refusal> for Failure {
-    fn from(refusal: Refusal) -> Self {
+impl From<VaryError> for Failure {
+    fn from(refusal: VaryError) -> Self {
         Self::new(refusal.cause).help(refusal.remedy)
     }
 }

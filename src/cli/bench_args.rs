@@ -21,7 +21,7 @@ pub(super) struct BenchArgs {
     /// Writes PREFIX.csv, PREFIX.json, PREFIX.svg and PREFIX.png [default: no files]
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: Option<PathBuf>,
-    /// What the wavefront races against, separated by commas
+    /// Contenders of the wavefront, separated by commas
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', default_value = "per-pixel")]
     pub(super) baseline: Vec<Contender>,
     /// Measures how cost grows with this [default: only the race]

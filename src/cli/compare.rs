@@ -6,21 +6,21 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::args::CompareArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outcome::Outcome;
 use super::outputs::same_file;
 use super::say::{print, print_json, say};
 use super::units::{plural, significant};
 use crate::asset::Files;
 use crate::film::atomic::Output;
 use crate::film::{read_exr_with, write_exr, write_rgb8};
-use crate::study::compare::{Channel, Comparison, DECADES, EPSILON, Pair, Verdict};
+use crate::study::compare::{ChannelComparison, Comparison, DECADES, EPSILON, PicturePair, Verdict};
 use crate::study::noise::{BLOCK, Deviation, Noise, SIGNIFICANCE};
 use crate::study::window::Window;
 
 /// Compares two pictures and writes their difference.
-pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &CompareArgs) -> Result<Completion, Failure> {
     // Without a render to keep, Ctrl-C ends the process and removes unfinished files.
     Interrupt::install();
     let open = |path: &Path| {
@@ -32,8 +32,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
     let files = Files::within(args.memory.memory());
     let (a, b) = (read_exr_with(&args.a, &files)?, read_exr_with(&args.b, &files)?);
     let [name_a, name_b] = [&args.a, &args.b].map(|path| path.display().to_string());
-    let pair = Pair::new((&name_a, &a), (&name_b, &b))?;
-    let report = Report { a: &name_a, b: &name_b, epsilon: EPSILON, comparison: pair.compare() };
+    let pair = PicturePair::new((&name_a, &a), (&name_b, &b))?;
+    let report = ComparisonReport { a: &name_a, b: &name_b, epsilon: EPSILON, comparison: pair.compare() };
 
     if args.json {
         print_json(&report)?;
@@ -54,7 +54,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Outcome, Failure> {
     }
     let excesses = excesses(args, &report.comparison);
     excesses.iter().for_each(|excess| say(format!("differ: {excess}")));
-    Ok(if excesses.is_empty() { Outcome::Good } else { Outcome::Differ })
+    Ok(if excesses.is_empty() { Completion::Good } else { Completion::Differ })
 }
 
 /// Refuses an output that would replace a picture to compare.
@@ -103,7 +103,7 @@ fn excesses(args: &CompareArgs, comparison: &Comparison) -> Vec<String> {
 
 /// Report to print.
 #[derive(Serialize)]
-struct Report<'a> {
+struct ComparisonReport<'a> {
     a: &'a str,
     b: &'a str,
     /// Of relMSE.
@@ -112,7 +112,7 @@ struct Report<'a> {
     comparison: Comparison,
 }
 
-impl Report<'_> {
+impl ComparisonReport<'_> {
     fn text(&self) -> String {
         let Comparison { window, beauty, channels, only_a, only_b, noise, verdict } = &self.comparison;
         let mut text = format!(
@@ -127,7 +127,7 @@ impl Report<'_> {
             "{:<12} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}  {:<12} unequal",
             "channel", "RMSE", "relMSE", "mean A", "mean B", "A/B - 1", "max A - B", "at"
         );
-        let all: Vec<&Channel> = std::iter::once(beauty).chain(channels).collect();
+        let all: Vec<&ChannelComparison> = std::iter::once(beauty).chain(channels).collect();
         text.extend(all.iter().map(|channel| row(channel)));
         text.extend(all.iter().filter_map(|channel| left_out(channel)));
         for (names, side) in [(only_a, "A"), (only_b, "B")] {
@@ -144,7 +144,7 @@ impl Report<'_> {
     }
 }
 
-fn row(channel: &Channel) -> String {
+fn row(channel: &ChannelComparison) -> String {
     let name = &channel.name;
     let Some(measures) = &channel.measures else {
         return format!("{name:<12} no finite values\n");
@@ -162,8 +162,8 @@ fn row(channel: &Channel) -> String {
 }
 
 /// Pairs left out of the sums of a channel, in words.
-fn left_out(channel: &Channel) -> Option<String> {
-    let Channel { name, non_finite, non_finite_unequal, .. } = channel;
+fn left_out(channel: &ChannelComparison) -> Option<String> {
+    let ChannelComparison { name, non_finite, non_finite_unequal, .. } = channel;
     (*non_finite > 0).then(|| {
         let pairs = plural(*non_finite, "pair is not finite", "pairs are not finite");
         format!("left out     {name}: {pairs}, {non_finite_unequal} of them unequal\n")
@@ -219,7 +219,7 @@ fn place(window: &Window) -> String {
     }
 }
 
-fn verdict_line(verdict: Verdict, beauty: &Channel, noise: Option<&Noise>) -> String {
+fn verdict_line(verdict: Verdict, beauty: &ChannelComparison, noise: Option<&Noise>) -> String {
     let why = match (verdict, noise) {
         (Verdict::Identical, _) => "identical: no value of R, G, B differs".to_owned(),
         (Verdict::Unjudged, _) => "differ; whether by more than noise only variances of both tell \

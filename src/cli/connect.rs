@@ -7,14 +7,14 @@ use csv::ByteRecord;
 use glam::DVec3;
 
 use super::args::ConnectArgs;
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
 use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup, cell};
-use super::table::{Header, line};
+use super::table::{TableHeader, line};
 use super::units::{decimal, plural};
 use crate::spacetime::Entry;
-use crate::study::connections::{Fault, Input, Joiner, Joint, Joints, Pair};
+use crate::study::connections::{Joiner, Joint, Joints, PointPair};
 
 /// Columns of the points of a pair; copied, as those of the spacetime.
 const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
@@ -37,7 +37,7 @@ const RESULTS: [&str; 14] = [
 ];
 
 /// Finds the rays that join the points of every pair of a table.
-pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &ConnectArgs) -> Result<Completion, Failure> {
     let setup = Setup {
         input: &args.pairs,
         what: ["pair of points", "pairs"],
@@ -46,42 +46,42 @@ pub(super) fn run(args: &ConnectArgs) -> Result<Outcome, Failure> {
         progress: args.meter.progress,
         strict: args.strict,
     };
-    setup.run(|header| Job::new(header, args.spacetime, args.max_winding))
+    setup.run(|header| ConnectJob::new(header, args.spacetime, args.max_winding))
 }
 
 /// A pair, and the row in which it came.
 struct Task {
     row: ByteRecord,
     label: Vec<u8>,
-    pair: Pair,
+    pair: PointPair,
 }
 
 /// Counts of pairs and connections so far.
 #[derive(Default)]
-struct Counts {
+struct ConnectionCounts {
     pairs: usize,
     connections: usize,
     hidden: usize,
 }
 
-struct Job {
+struct ConnectJob {
     joiner: Joiner,
     max_winding: u32,
-    header: Header,
+    header: TableHeader,
     spacetime: Parameters,
     /// Columns of labels, if there are any, and of inputs.
     pair: Option<usize>,
     kind: Option<usize>,
     inputs: Vec<(&'static str, usize)>,
     /// Line and inputs of the labels that have been met.
-    met: HashMap<Vec<u8>, (u64, Pair)>,
+    met: HashMap<Vec<u8>, (u64, PointPair)>,
     /// Rows read.
     rows: u64,
-    counts: Counts,
+    counts: ConnectionCounts,
 }
 
-impl Job {
-    fn new(header: &Header, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
+impl ConnectJob {
+    fn new(header: &TableHeader, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
         let spacetime = Parameters::find(header, spacetime, &POINTS)?;
         let points = header.all(&POINTS)?;
         Ok(Self {
@@ -94,12 +94,12 @@ impl Job {
             header: header.clone(),
             met: HashMap::new(),
             rows: 0,
-            counts: Counts::default(),
+            counts: ConnectionCounts::default(),
         })
     }
 
     /// Looks up a label, and adds it if it is new: true if a pair of this label has been met before.
-    fn is_known(&mut self, label: &[u8], line: u64, inputs: Pair) -> Result<bool, Failure> {
+    fn is_known(&mut self, label: &[u8], line: u64, inputs: PointPair) -> Result<bool, Failure> {
         match self.met.get(label) {
             None => {
                 self.met.insert(label.to_owned(), (line, inputs));
@@ -115,7 +115,7 @@ impl Job {
     }
 }
 
-impl RowWise for Job {
+impl RowWise for ConnectJob {
     type Task = Task;
     type Answer = Joints;
 
@@ -137,7 +137,7 @@ impl RowWise for Job {
         }
         let spacetime = self.spacetime.of(&self.header, &row)?;
         let pair =
-            Pair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
+            PointPair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
         let label = match self.pair {
             Some(place) => {
                 let label = row.get(place).unwrap_or_default();
@@ -152,16 +152,9 @@ impl RowWise for Job {
     }
 
     fn answer(&self, task: &Task) -> Result<Joints, Failure> {
-        let refuse = |fault: Fault| {
-            let columns = match fault.input {
-                Input::Parameter(column) => &format!("column `{column}`"),
-                Input::X => "columns `x0`, `x1`, `x2`",
-                Input::Y => "columns `y0`, `y1`, `y2`",
-                Input::Both => "columns `x0` to `y2`",
-            };
-            self.header.at(line(&task.row), columns, &fault.cause).help(fault.remedy)
-        };
-        self.joiner.join(&task.pair, self.max_winding).map_err(refuse)
+        self.joiner
+            .join(&task.pair, self.max_winding)
+            .map_err(|error| self.header.refuse(line(&task.row), &error))
     }
 
     fn write(&mut self, task: &Task, joints: &Joints, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
@@ -179,7 +172,7 @@ impl RowWise for Job {
     }
 
     fn summary(&self, seconds: f64) -> String {
-        let Counts { pairs, connections, hidden } = self.counts;
+        let ConnectionCounts { pairs, connections, hidden } = self.counts;
         let lost = if hidden > 0 { format!(" ({hidden} hidden by rounding)") } else { String::new() };
         format!(
             "{}: {}{lost}; {seconds:.2} s, {} pairs/s",

@@ -75,7 +75,7 @@ fn until(limits: &Limits, seconds: f64) -> String {
     text
 }
 
-/// Which schedule is faster, in words; `used` is the one that is set.
+/// The faster schedule, in words; `used` is the one that is set.
 pub(super) fn schedule(forecast: &Forecast, used: Schedule) -> String {
     let Some((schedule, Estimate { value, error })) = forecast.faster() else {
         return match spread(forecast.per_pixel_over_wavefront) {

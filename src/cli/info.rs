@@ -8,10 +8,10 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::args::InfoArgs;
+use super::completion::Completion;
 use super::cost::{self, Limits};
 use super::failure::Failure;
 use super::memory;
-use super::outcome::Outcome;
 use super::say::{print, print_json, shown};
 use super::stages::{self, Stage};
 use super::units::{plural, rounded};
@@ -30,32 +30,32 @@ const PLACE: usize = 6;
 const PROBE: Duration = Duration::from_secs(1);
 
 /// Prints what a scene holds.
-pub(super) fn run(args: &InfoArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &InfoArgs) -> Result<Completion, Failure> {
     let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     args.settings.apply(&mut scene.settings);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
-    let report = Report::of(args.scene.path.display().to_string(), &scene, &run);
+    let report = SceneReport::of(args.scene.path.display().to_string(), &scene, &run);
     if args.json {
         print_json(&report)?;
     } else {
         print(&report.text())?;
     }
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }
 
 /// Report on a scene.
 #[derive(Serialize)]
-struct Report<'a> {
+struct SceneReport<'a> {
     scene: String,
     spacetime: Spacetime,
     geometry: Shapes,
     materials: Materials,
-    lights: Lights,
+    lights: LightCounts,
     environment: String,
-    camera: View,
+    camera: CameraReport,
     settings: &'a Settings,
-    memory: Memory,
+    memory: MemoryReport,
     stages: Vec<Stage>,
     /// Of all samples, whatever limits there are.
     cost: Forecast,
@@ -98,14 +98,14 @@ impl Serialize for Materials {
 
 /// Punctual lights.
 #[derive(Default, Serialize)]
-struct Lights {
+struct LightCounts {
     point: usize,
     spot: usize,
     distant: usize,
 }
 
 #[derive(Serialize)]
-struct View {
+struct CameraReport {
     position: [f64; 3],
     forward: [f64; 3],
     /// Degrees.
@@ -114,13 +114,13 @@ struct View {
 
 /// Bytes.
 #[derive(Serialize)]
-struct Memory {
+struct MemoryReport {
     geometry: u64,
     environment: u64,
     film: u64,
 }
 
-impl<'a> Report<'a> {
+impl<'a> SceneReport<'a> {
     fn of(name: String, scene: &'a Baked, run: &Run) -> Self {
         let probe = probe(scene, run, PROBE);
         let cost = Forecast::new(&probe, &scene.settings);
@@ -129,15 +129,15 @@ impl<'a> Report<'a> {
             spacetime: Spacetime(scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
-            lights: Lights::of(&scene.punctual),
+            lights: LightCounts::of(&scene.punctual),
             environment: environment(&scene.environment),
-            camera: View {
+            camera: CameraReport {
                 position: scene.camera.position.to_array(),
                 forward: scene.camera.forward.to_array(),
                 vertical_fov: 2.0 * libm::atan(scene.camera.tan_half_fov).to_degrees(),
             },
             settings: &scene.settings,
-            memory: Memory::of(scene, run),
+            memory: MemoryReport::of(scene, run),
             stages: stages::of(scene, probe.lights, &run.aovs),
             schedule: cost.faster().map(|(schedule, _)| schedule),
             cost,
@@ -277,7 +277,7 @@ impl Materials {
     }
 }
 
-impl Lights {
+impl LightCounts {
     fn of(lights: &[Punctual]) -> Self {
         lights.iter().fold(Self::default(), |mut counts, light| {
             match light {
@@ -295,14 +295,14 @@ impl Lights {
     }
 }
 
-impl View {
+impl CameraReport {
     fn text(&self) -> String {
         let (position, forward) = (point(&self.position), triple(self.forward.map(|x| rounded(x, 3))));
         format!("at {position} along {forward}, vertical field of view {}°", rounded(self.vertical_fov, 3))
     }
 }
 
-impl Memory {
+impl MemoryReport {
     fn of(scene: &Baked, run: &Run) -> Self {
         let environment = match &scene.environment {
             Environment::Image(image) => size_of_val(image.pixels.as_slice()),
@@ -380,7 +380,7 @@ mod tests {
         };
         scene.punctual = vec![point, spot, point];
         scene.warnings.push("`fog` is not understood".to_owned());
-        let text = Report::of("a.toml".to_owned(), &scene, &Run::default()).text();
+        let text = SceneReport::of("a.toml".to_owned(), &scene, &Run::default()).text();
         let expected = [
             "scene        a.toml",
             "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1, photon sphere 3.732",
@@ -400,7 +400,8 @@ mod tests {
     fn the_json_holds_the_same() {
         let mut scene = empty_scene(SpacetimeKind::Flat);
         scene.punctual = vec![Punctual::Distant { direction: DVec3::X, irradiance: Vec3::ONE }];
-        let json = serde_json::to_value(Report::of("a.toml".to_owned(), &scene, &Run::default())).unwrap();
+        let json =
+            serde_json::to_value(SceneReport::of("a.toml".to_owned(), &scene, &Run::default())).unwrap();
         assert_eq!(json["spacetime"]["kind"], "flat");
         assert_eq!(json["settings"]["stepper"], "rkn6");
         assert_eq!(json["stages"][0]["runs"], false);

@@ -1,5 +1,5 @@
-//! Ctrl-C, and a polite kill: the first ends the render and keeps the picture, the second ends the process. Either way the
-//! process ends by the signal, so that its parent knows.
+//! Ctrl-C, and a polite kill: the first ends the render and keeps the picture, the second ends the process. Either way
+//! the process ends by the signal, so that its parent knows.
 
 use std::io;
 use std::process;

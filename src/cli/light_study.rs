@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use super::args::StudyArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::measure::{self, distinct_or};
-use super::outcome::Outcome;
-use super::prefixed::Files;
+use super::prefixed::StudyFiles;
 use super::progress::Meter;
 use super::say::say;
 use super::shared_args::distinct;
@@ -14,7 +14,7 @@ use crate::asset::Files as AssetFiles;
 use crate::film::read_exr_with;
 use crate::light::Lights;
 use crate::scene::Baked;
-use crate::study::light_sampling::{LightStudy, Plan, Source};
+use crate::study::light_sampling::{LightStudy, Plan, ReferenceSource};
 use crate::study::reference::Reference;
 use crate::study::rounds;
 
@@ -24,7 +24,12 @@ const SPPS: [u32; 4] = [1, 4, 16, 64];
 const REFERENCE: u32 = 16;
 
 /// Measures ways to look for lights and writes what was found.
-pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> Result<Outcome, Failure> {
+pub(super) fn run(
+    args: &StudyArgs,
+    scene: Baked,
+    path: &Path,
+    files: StudyFiles,
+) -> Result<Completion, Failure> {
     lit(&scene, path)?;
     let plan = Plan {
         ways: distinct(&args.light_sampling),
@@ -34,8 +39,8 @@ pub(super) fn run(args: &StudyArgs, scene: Baked, path: &Path, files: Files) -> 
     };
     let largest = plan.spps.iter().copied().max().unwrap_or(1);
     let source = match &args.reference {
-        Some(path) => Source::Given(given(args, path)?),
-        None => Source::Rendered(args.reference_spp.unwrap_or(largest.saturating_mul(REFERENCE))),
+        Some(path) => ReferenceSource::Given(given(args, path)?),
+        None => ReferenceSource::Rendered(args.reference_spp.unwrap_or(largest.saturating_mul(REFERENCE))),
     };
 
     let meter = Meter::new(args.meter.progress, "learning of lights", "paths");

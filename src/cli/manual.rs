@@ -4,14 +4,14 @@ use clap::CommandFactory;
 use clap_mangen::Man;
 
 use super::args::{Cli, CompletionsArgs, ManArgs};
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
 use super::say::{say, write_stdout};
 use super::units::plural;
 use crate::film::atomic::Output;
 
 /// Writes all manual pages to a folder, or prints one.
-pub(super) fn man(args: &ManArgs) -> Result<Outcome, Failure> {
+pub(super) fn man(args: &ManArgs) -> Result<Completion, Failure> {
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
     if let Some(folder) = &args.output {
@@ -21,7 +21,7 @@ pub(super) fn man(args: &ManArgs) -> Result<Outcome, Failure> {
             Output::create(&folder.join(page.get_filename()))?.commit(|out| page.render(out))?;
         }
         say(format!("wrote {} to {}", plural(pages.len(), "page", "pages"), folder.display()));
-        return Ok(Outcome::Good);
+        return Ok(Completion::Good);
     }
     let chosen = match &args.command {
         None => &program,
@@ -35,13 +35,13 @@ pub(super) fn man(args: &ManArgs) -> Result<Outcome, Failure> {
     let written = Man::new(chosen.clone()).render(&mut page);
     written.map_err(|error| Failure::new(format!("cannot write the manual page: {error}")))?;
     write_stdout(&String::from_utf8_lossy(&page))?;
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }
 
 /// Prints a shell's completions.
-pub(super) fn completions(args: &CompletionsArgs) -> Result<Outcome, Failure> {
+pub(super) fn completions(args: &CompletionsArgs) -> Result<Completion, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "warpfront", &mut script);
     write_stdout(&String::from_utf8_lossy(&script))?;
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }

@@ -1,8 +1,8 @@
 //! Studies as commands: measured in rounds beside a meter, then printed and written.
 
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
-use super::prefixed::Files;
+use super::prefixed::StudyFiles;
 use super::progress::Meter;
 use super::say::{print, say};
 use super::shared_args::distinct;
@@ -34,10 +34,10 @@ pub(super) fn run<S: Study>(study: S, rounds: u32, meter: Meter) -> Result<S::Fi
 }
 
 /// Writes and prints a report, and says on what it is.
-pub(super) fn publish(report: &Report, files: Files, on: &str) -> Result<Outcome, Failure> {
+pub(super) fn publish(report: &Report, files: StudyFiles, on: &str) -> Result<Completion, Failure> {
     let names = files.names();
     files.write(report)?;
     print(&report.text)?;
     say(format!("{}{on}; wrote {names}", plural(report.table.rows(), "setting", "settings")));
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }

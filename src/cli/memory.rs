@@ -19,8 +19,8 @@ const KEPT: u64 = 256;
 /// Bytes of a thread beside: its stack, and the samples of a tile.
 const THREAD: usize = 4 << 20;
 
-/// Bytes that a picture needs at most: first sums over samples, which go as the finished planes come, then the planes in
-/// f32 and the preview.
+/// Bytes that a picture needs at most: first sums over samples, which go as the finished planes come, then the planes
+/// in f32 and the preview.
 pub(super) fn film_bytes(settings: &Settings, run: &Run) -> u64 {
     let (width, height) = size(settings, run);
     let pixels = (width as u64).saturating_mul(height as u64);

@@ -204,7 +204,7 @@ pub(super) fn advise(error: &mut Error, mut program: Command, arguments: &[OsStr
         _ => None,
     };
     if let Some(advice) = advice {
-        // What clap suggests is what is spelled alike.
+        // Clap suggests flags that are spelled alike.
         error.remove(ContextKind::SuggestedArg);
         error.remove(ContextKind::SuggestedSubcommand);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![advice.into()]));

@@ -6,6 +6,7 @@ mod args;
 mod bench;
 mod bench_args;
 mod compare;
+mod completion;
 mod connect;
 mod cost;
 mod failure;
@@ -17,7 +18,6 @@ mod manual;
 mod measure;
 mod memory;
 mod misnomers;
-mod outcome;
 mod outputs;
 mod overwrite;
 mod parse;
@@ -46,11 +46,12 @@ use clap::{CommandFactory, Parser};
 use crate::math::simd;
 use crate::text;
 use args::{Cli, Command};
+use completion::Completion;
 use failure::Failure;
-use outcome::Outcome;
 use say::say;
 
-/// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad input.
+/// Runs the command line; 0 good, 1 pixels without samples, or something was lost or differs and a flag minds, 2 bad
+/// input.
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -61,8 +62,8 @@ pub fn main() -> ExitCode {
         }
     };
     match run(&cli) {
-        Ok(Outcome::Good) => ExitCode::SUCCESS,
-        Ok(Outcome::Lost | Outcome::Incomplete | Outcome::Differ) => ExitCode::from(1),
+        Ok(Completion::Good) => ExitCode::SUCCESS,
+        Ok(Completion::Lost | Completion::Incomplete | Completion::Differ) => ExitCode::from(1),
         Err(failure) => {
             say(failure);
             ExitCode::from(2)
@@ -70,7 +71,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli) -> Result<Outcome, Failure> {
+fn run(cli: &Cli) -> Result<Completion, Failure> {
     simd::choose(cli.simd).map_err(|problem| {
         Failure::new(format!("--simd: {problem}")).help("leave --simd and WARPFRONT_SIMD out")
     })?;

@@ -28,7 +28,7 @@ pub(super) fn same_file(a: &Path, b: &Path) -> bool {
 
 /// Record that `--stats` writes.
 #[derive(Serialize)]
-struct Record<'a> {
+struct StatsRecord<'a> {
     version: &'static str,
     scene: String,
     spp: u32,
@@ -69,7 +69,7 @@ impl Outputs {
             png.commit(|out| write_png(&rendered.image, settings.exposure, transparent, out))?;
         }
         if let Some(stats) = self.stats {
-            let record = Record {
+            let record = StatsRecord {
                 version: env!("CARGO_PKG_VERSION"),
                 scene: scene.display().to_string(),
                 spp: rendered.spp,

@@ -8,13 +8,13 @@ use crate::plot::Format;
 use crate::study::report::Report;
 
 /// The files that are written.
-pub(super) struct Files {
+pub(super) struct StudyFiles {
     csv: Output,
     svg: Output,
     png: Output,
 }
 
-impl Files {
+impl StudyFiles {
     /// Opens them all, so that one that cannot be written is found before the study.
     pub(super) fn open(prefix: &Path) -> Result<Self, Failure> {
         let open = |extension| Output::create(&with_suffix(prefix, extension)).map_err(Failure::from);

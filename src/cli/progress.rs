@@ -54,13 +54,13 @@ pub(super) struct ProgressArgs {
 
 /// Shows how far work has come, how fast it goes, and when it will be done.
 pub(super) struct Meter {
-    work: Arc<Mutex<Work>>,
+    work: Arc<Mutex<WorkUnderWay>>,
     bar: ProgressBar,
     lines: Option<Lines>,
 }
 
 /// The work under way.
-struct Work {
+struct WorkUnderWay {
     /// Name of the work until it is counted.
     name: String,
     /// Unit in which it is counted.
@@ -80,7 +80,7 @@ struct Lines {
     thread: JoinHandle<()>,
 }
 
-fn lock(work: &Mutex<Work>) -> MutexGuard<'_, Work> {
+fn lock(work: &Mutex<WorkUnderWay>) -> MutexGuard<'_, WorkUnderWay> {
     work.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -88,7 +88,7 @@ impl Meter {
     /// A meter for work that begins now, is called `name` and will be counted in `unit`.
     pub(super) fn new(show: Show, name: impl Into<String>, unit: &'static str) -> Self {
         let (name, since) = (name.into(), Instant::now());
-        let work = Work { name, unit, since, progress: None, spp: None, limit: None };
+        let work = WorkUnderWay { name, unit, since, progress: None, spp: None, limit: None };
         let work = Arc::new(Mutex::new(work));
         let show = show.resolve();
         let bar = if show == Show::Bar { bar(unit) } else { ProgressBar::hidden() };
@@ -147,7 +147,7 @@ fn bar(unit: &'static str) -> ProgressBar {
 
 impl Lines {
     /// Nothing if there can be no more threads.
-    fn start(work: Arc<Mutex<Work>>) -> Option<Self> {
+    fn start(work: Arc<Mutex<WorkUnderWay>>) -> Option<Self> {
         let (stop, stopped) = channel();
         let mut next = Instant::now() + INTERVAL;
         let tell = move || {
@@ -163,7 +163,7 @@ impl Lines {
     }
 }
 
-impl Work {
+impl WorkUnderWay {
     fn line(&self, now: Instant) -> String {
         let elapsed = now.saturating_duration_since(self.since).as_secs_f64();
         let Some(Progress { done, total }) = self.progress.filter(|progress| progress.total > 0) else {
@@ -201,7 +201,7 @@ mod tests {
         let since = Instant::now();
         let progress = progress.map(|(done, total)| Progress { done, total });
         let limit = limit.map(|limit| (since, Duration::from_secs(limit)));
-        let work = Work { name: "loading a".to_owned(), unit: "paths", since, progress, spp, limit };
+        let work = WorkUnderWay { name: "loading a".to_owned(), unit: "paths", since, progress, spp, limit };
         work.line(since + Duration::from_secs(10))
     }
 

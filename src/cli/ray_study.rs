@@ -8,19 +8,19 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::args::StudyArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::measure::{self, distinct_or};
-use super::outcome::Outcome;
 use super::overwrite;
-use super::prefixed::Files;
+use super::prefixed::StudyFiles;
 use super::progress::Meter;
-use super::rays_table::Columns;
+use super::rays_table::RayColumns;
 use super::shared_args::distinct;
-use super::table::{Table, line};
+use super::table::{InputTable, line};
 use super::units::plural;
 use crate::scene::StepperKind;
-use crate::study::free::Status;
-use crate::study::table_rays::{Case, Crossing, Exact, TableRays};
+use crate::study::free::FreeRayEnd;
+use crate::study::table_rays::{Case, Exact, ExactCrossing, TableRays};
 use crate::study::way::grid;
 
 /// Tolerances, those on a scene and finer ones.
@@ -29,7 +29,7 @@ const TOLERANCES: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1
 const ENDS: [&str; 8] = ["status", "x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"];
 
 /// Studies the rays of a table.
-pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &StudyArgs, rays: &Path, files: StudyFiles) -> Result<Completion, Failure> {
     if args.steppers.contains(&StepperKind::Rk4Paper) {
         return Err(Failure::new("the stepper rk4-paper runs in renders only")
             .help("leave it out of --steppers, or study a SCENE"));
@@ -40,8 +40,8 @@ pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome
     measure::check_some(&settings)?;
 
     overwrite::refuse(files.paths(), &[rays.to_owned()])?;
-    let mut table = Table::open(rays, "ray")?;
-    let columns = Columns::find(&table.header, args.spacetime)?;
+    let mut table = InputTable::open(rays, "ray")?;
+    let columns = RayColumns::find(&table.header, args.spacetime)?;
     let ends = columns.header.places(ENDS)?;
     let (mut cases, mut lines) = (Vec::new(), Vec::new());
     loop {
@@ -60,18 +60,18 @@ pub(super) fn run(args: &StudyArgs, rays: &Path, files: Files) -> Result<Outcome
 
     let meter = Meter::new(args.meter.progress, "following rays", "runs");
     let measured = measure::run(TableRays::new(&cases, settings, args.threads), args.rounds, meter);
-    let report = measured.map_err(|refusal| columns.refuse(lines[refusal.index], &refusal.fault))?;
+    let report = measured.map_err(|refusal| columns.header.refuse(lines[refusal.index], &refusal.fault))?;
     measure::publish(&report, files, &format!(" on {}", plural(cases.len(), "ray", "rays")))
 }
 
 /// The ray of a row and its end, which is in the columns `ends` or else followed.
-fn case(columns: &Columns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord) -> Result<Case, Failure> {
+fn case(columns: &RayColumns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord) -> Result<Case, Failure> {
     let (spacetime, ray) = columns.ray(row)?;
     let exact = match ends {
         Some(places) => given(columns, places, row)?,
         None => {
             let exact =
-                Exact::followed(spacetime, &ray).map_err(|fault| columns.refuse(line(row), &fault))?;
+                Exact::followed(spacetime, &ray).map_err(|fault| columns.header.refuse(line(row), &fault))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());
                 return Err(columns.header.at(line(row), "the ray", &cause).help("take the row out"));
@@ -83,16 +83,16 @@ fn case(columns: &Columns, ends: Option<&[usize; ENDS.len()]>, row: &ByteRecord)
 }
 
 /// The end that the columns of a row give.
-fn given(columns: &Columns, places: &[usize; ENDS.len()], row: &ByteRecord) -> Result<Exact, Failure> {
+fn given(columns: &RayColumns, places: &[usize; ENDS.len()], row: &ByteRecord) -> Result<Exact, Failure> {
     let text = String::from_utf8_lossy(row.get(places[0]).unwrap_or_default());
-    let status = Status::ALL.into_iter().find(|status| status.name() == text && !status.is_lost());
+    let status = FreeRayEnd::ALL.into_iter().find(|status| status.name() == text && !status.is_lost());
     let status = status.ok_or_else(|| {
         columns
             .header
             .at(line(row), "column `status`", &format!("`{text}` is no end"))
             .help("give escaped, captured or missed")
     })?;
-    if status != Status::Escaped {
+    if status != FreeRayEnd::Escaped {
         return Ok(Exact { status, crossing: None });
     }
     let mut numbers = [0.0; ENDS.len()];
@@ -111,5 +111,5 @@ fn given(columns: &Columns, places: &[usize; ENDS.len()], row: &ByteRecord) -> R
             .at(line(row), "columns `dx1`, `dy1`, `dz1`", "no direction")
             .help("give a direction of length 1")
     })?;
-    Ok(Exact { status, crossing: Some(Crossing { position, direction, sens }) })
+    Ok(Exact { status, crossing: Some(ExactCrossing { position, direction, sens }) })
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::args::RaysArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outcome::Outcome;
 use super::overwrite;
 use super::say::{say, say_remarks};
 use super::units::plural;
@@ -17,7 +17,7 @@ use crate::scene;
 use crate::study::{Fan, FanError, FanOptions};
 
 /// Traces a fan of rays and draws it.
-pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &RaysArgs) -> Result<Completion, Failure> {
     let _ends_the_process = Interrupt::install();
     let output = Output::create(&args.output)?;
     let options = args.scene.options()?;
@@ -39,7 +39,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<Outcome, Failure> {
     let fates: Vec<String> = fan.fates().into_iter().map(|(fate, count)| format!("{count} {fate}")).collect();
     let rays = plural(args.count as usize, "ray", "rays");
     say(format!("{rays}: {}; wrote {}", fates.join(", "), args.output.display()));
-    Ok(Outcome::Good)
+    Ok(Completion::Good)
 }
 
 /// A scene's name without its folder.

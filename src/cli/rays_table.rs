@@ -5,9 +5,9 @@ use csv::ByteRecord;
 use glam::DVec3;
 
 use super::failure::Failure;
-use super::table::Header;
+use super::table::TableHeader;
 use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
-use crate::study::free::{Fault, FreeRay, Input};
+use crate::study::free::FreeRay;
 
 /// Reads `--spacetime`: a name from the table of all.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
@@ -20,12 +20,12 @@ pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
 #[derive(Clone)]
 pub(super) struct Parameters {
     entry: &'static Entry,
-    sources: Vec<Source>,
+    sources: Vec<ParameterSource>,
 }
 
 /// Source of a parameter's values.
 #[derive(Clone, Copy)]
-enum Source {
+enum ParameterSource {
     /// A column: its name and place.
     Column(&'static str, usize),
     /// The value of a parameter whose column is not there.
@@ -35,7 +35,7 @@ enum Source {
 impl Parameters {
     /// Finds the columns; `others` are needed as well, and named where one is missing.
     pub(super) fn find(
-        header: &Header,
+        header: &TableHeader,
         entry: &'static Entry,
         others: &[&'static str],
     ) -> Result<Self, Failure> {
@@ -50,8 +50,8 @@ impl Parameters {
         let source = |parameter: &Parameter| {
             let found = places.iter().find(|(name, _)| *name == parameter.column);
             found
-                .map(|&(name, place)| Source::Column(name, place))
-                .or(parameter.in_tables.map(Source::Constant))
+                .map(|&(name, place)| ParameterSource::Column(name, place))
+                .or(parameter.in_tables.map(ParameterSource::Constant))
         };
         Ok(Self { entry, sources: entry.parameters.iter().filter_map(source).collect() })
     }
@@ -64,16 +64,16 @@ impl Parameters {
     /// Columns that there are.
     pub(super) fn places(&self) -> impl Iterator<Item = (&'static str, usize)> {
         self.sources.iter().filter_map(|source| match *source {
-            Source::Column(name, place) => Some((name, place)),
-            Source::Constant(_) => None,
+            ParameterSource::Column(name, place) => Some((name, place)),
+            ParameterSource::Constant(_) => None,
         })
     }
 
     /// The spacetime of a row, about the origin.
-    pub(super) fn of(&self, header: &Header, row: &ByteRecord) -> Result<SpacetimeKind, Failure> {
-        let value = |source: &Source| match *source {
-            Source::Column(name, place) => header.number(row, name, place),
-            Source::Constant(value) => Ok(value),
+    pub(super) fn of(&self, header: &TableHeader, row: &ByteRecord) -> Result<SpacetimeKind, Failure> {
+        let value = |source: &ParameterSource| match *source {
+            ParameterSource::Column(name, place) => header.number(row, name, place),
+            ParameterSource::Constant(value) => Ok(value),
         };
         let values: Result<Vec<f64>, Failure> = self.sources.iter().map(value).collect();
         Ok(self.entry.with(DVec3::ZERO, &values?))
@@ -85,16 +85,16 @@ const LABELS: [&str; 2] = ["id", "kind"];
 /// Columns that describe a ray.
 const RAY: [&str; 7] = ["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"];
 
-/// Which columns of a table are read, and where they are.
-pub(super) struct Columns {
-    pub(super) header: Header,
+/// Columns of a table that are read, and their places.
+pub(super) struct RayColumns {
+    pub(super) header: TableHeader,
     pub(super) spacetime: Parameters,
     /// Those that are copied: labels, then numbers.
     all: Vec<(&'static str, usize)>,
 }
 
-impl Columns {
-    pub(super) fn find(header: &Header, spacetime: &'static Entry) -> Result<Self, Failure> {
+impl RayColumns {
+    pub(super) fn find(header: &TableHeader, spacetime: &'static Entry) -> Result<Self, Failure> {
         let mut all = Vec::new();
         for label in LABELS {
             all.extend(header.place(label)?.map(|place| (label, place)));
@@ -128,17 +128,5 @@ impl Columns {
             r_out: ray[6],
         };
         Ok((spacetime, ray))
-    }
-
-    /// Failure for a line whose ray cannot be followed.
-    pub(super) fn refuse(&self, line: u64, fault: &Fault) -> Failure {
-        let column = match fault.input {
-            Input::Parameter(column) => &format!("column `{column}`"),
-            Input::Start => "columns `x0`, `y0`, `z0`",
-            Input::Direction => "columns `dx0`, `dy0`, `dz0`",
-            Input::Sphere => "column `r_out`",
-            Input::Stepper => "--stepper",
-        };
-        self.header.at(line, column, &fault.cause).help(&fault.remedy)
     }
 }

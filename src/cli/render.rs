@@ -1,9 +1,9 @@
 //! `warpfront render`.
 
 use super::args::RenderArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outcome::Outcome;
 use super::outputs::Outputs;
 use super::progress::Meter;
 use super::say::{say, say_remarks};
@@ -12,7 +12,7 @@ use crate::scene::{self, LoadOptions};
 use crate::trace;
 
 /// Renders a scene and writes the files.
-pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &RenderArgs) -> Result<Completion, Failure> {
     let interrupt = Interrupt::install();
     let outputs = Outputs::open(&args.output, &args.scene.path)?;
     let meter = Meter::new(args.meter.progress, format!("loading {}", args.scene.path.display()), "paths");
@@ -36,7 +36,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
 
     if rendered.unsampled == rendered.pixels() {
         say(no_sample());
-        return Ok(Outcome::Incomplete);
+        return Ok(Completion::Incomplete);
     }
     let losses = summary::losses(&rendered, asked_spp, interrupt.happened());
     losses.iter().for_each(|loss| say(format!("warning: {loss}")));
@@ -46,9 +46,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<Outcome, Failure> {
     interrupt.resume();
     let complete = losses.is_empty() && scene.warnings.is_empty();
     Ok(match rendered.unsampled {
-        0 if args.strict && !complete => Outcome::Lost,
-        0 => Outcome::Good,
-        _ => Outcome::Incomplete,
+        0 if args.strict && !complete => Completion::Lost,
+        0 => Completion::Good,
+        _ => Completion::Incomplete,
     })
 }
 

@@ -8,13 +8,13 @@ use csv::ByteRecord;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
-use super::outcome::Outcome;
 use super::outputs::same_file;
 use super::progress::{Meter, Show};
 use super::say::say;
-use super::table::{Header, Table};
+use super::table::{InputTable, TableHeader};
 use crate::film::atomic::Output;
 use crate::study::table::io_error;
 
@@ -52,7 +52,7 @@ pub(super) trait RowWise: Sync {
     fn lost(&self) -> usize;
 }
 
-/// Which files, and how they are worked on.
+/// Files, and how they are worked on.
 pub(super) struct Setup<'a> {
     /// The table.
     pub(super) input: &'a Path,
@@ -69,24 +69,24 @@ pub(super) struct Setup<'a> {
 }
 
 impl Setup<'_> {
-    /// Does the `job` for a table with such a header, and says at the end what was done and written where; nothing if the
-    /// reader of standard output has gone away, as `head` does, which is no failure.
+    /// Does the `job` for a table with such a header, and says at the end what was done and written where; nothing if
+    /// the reader of standard output has gone away, as `head` does, which is no failure.
     pub(super) fn run<J: RowWise>(
         &self,
-        job: impl FnOnce(&Header) -> Result<J, Failure>,
-    ) -> Result<Outcome, Failure> {
+        job: impl FnOnce(&TableHeader) -> Result<J, Failure>,
+    ) -> Result<Completion, Failure> {
         // Without a result to keep, Ctrl-C ends the process and removes the unfinished file.
         Interrupt::install();
         let started = Instant::now();
-        let mut table = Table::open(self.input, self.what[0])?;
+        let mut table = InputTable::open(self.input, self.what[0])?;
         let mut job = job(&table.header)?;
-        let Some(wrote) = self.write(&mut table, &mut job)? else { return Ok(Outcome::Good) };
+        let Some(wrote) = self.write(&mut table, &mut job)? else { return Ok(Completion::Good) };
         say(format!("{}{wrote}", job.summary(started.elapsed().as_secs_f64())));
-        Ok(if self.strict && job.lost() > 0 { Outcome::Lost } else { Outcome::Good })
+        Ok(if self.strict && job.lost() > 0 { Completion::Lost } else { Completion::Good })
     }
 
     /// Writes the answers, and tells where, in words; none if the reader of standard output has gone away.
-    fn write(&self, table: &mut Table, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
+    fn write(&self, table: &mut InputTable, job: &mut impl RowWise) -> Result<Option<String>, Failure> {
         let Some(path) = self.output else {
             return match self.stream(table, job, io::stdout().lock()) {
                 Ok(done) => done.map(|()| Some(String::new())),
@@ -111,7 +111,7 @@ impl Setup<'_> {
     /// The outer error is one of `out`, the inner one of the table.
     fn stream(
         &self,
-        table: &mut Table,
+        table: &mut InputTable,
         job: &mut impl RowWise,
         out: impl Write,
     ) -> io::Result<Result<(), Failure>> {
@@ -125,7 +125,7 @@ impl Setup<'_> {
 }
 
 fn chunks(
-    table: &mut Table,
+    table: &mut InputTable,
     job: &mut impl RowWise,
     mut out: impl Write,
     pool: Option<&ThreadPool>,

@@ -18,7 +18,7 @@ use crate::scene::{
 };
 use crate::trace::Run;
 
-/// Which scene, and what is changed in it.
+/// Scene to load, and changes to it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
     /// Scene file: .toml, .gltf, .glb or .obj
@@ -117,7 +117,7 @@ impl ChangeArgs {
     }
 }
 
-/// Which files are written.
+/// Files that are written.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputArgs {
@@ -176,8 +176,8 @@ pub(super) struct SettingArgs {
     /// Reconstruction filter [default: the scene's, else tent]
     #[arg(long, value_enum, value_name = "NAME")]
     filter: Option<Filter>,
-    /// What camera rays bring that leave to infinity: the environment, or nothing with alpha 0 [default: the scene's, else
-    /// opaque]
+    /// Light of camera rays that leave to infinity: the environment, or nothing with alpha 0 [default: the scene's,
+    /// else opaque]
     #[arg(long, value_enum, value_name = "NAME")]
     background: Option<Background>,
     /// Source of random numbers [default: the scene's, else sobol]

@@ -1,4 +1,4 @@
-//! Which stages a render of a scene runs, and why.
+//! Stages that a render of a scene runs, and why.
 
 use serde::Serialize;
 

@@ -5,11 +5,11 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::args::StudyArgs;
+use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::measure::{self, distinct_or};
-use super::outcome::Outcome;
-use super::prefixed::Files;
+use super::prefixed::StudyFiles;
 use super::progress::Meter;
 use super::say::say_remarks;
 use super::shared_args::distinct;
@@ -22,9 +22,9 @@ use crate::study::way::Way;
 const TOLERANCES: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
 /// Measures ways to integrate rays, or to look for lights, and writes what was found.
-pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &StudyArgs) -> Result<Completion, Failure> {
     let _ends_the_process = Interrupt::install();
-    let files = Files::open(&args.output)?;
+    let files = StudyFiles::open(&args.output)?;
     match (&args.rays, &args.scene) {
         (Some(rays), _) => ray_study::run(args, rays, files),
         (None, Some(path)) if !args.light_sampling.is_empty() => {
@@ -36,7 +36,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Outcome, Failure> {
 }
 
 /// Studies the camera rays of a scene.
-fn of_scene(args: &StudyArgs, mut scene: Baked, files: Files) -> Result<Outcome, Failure> {
+fn of_scene(args: &StudyArgs, mut scene: Baked, files: StudyFiles) -> Result<Completion, Failure> {
     scene.settings.arc_tolerance = args.arc_tolerance.or(scene.settings.arc_tolerance);
     let settings = Way::grid(
         &distinct_or(&args.steppers, StepperKind::value_variants()),
@@ -52,7 +52,7 @@ fn of_scene(args: &StudyArgs, mut scene: Baked, files: Files) -> Result<Outcome,
 }
 
 /// The scene in the size of the study; says what is wrong with it.
-fn load(args: &StudyArgs, path: &Path, outputs: &Files) -> Result<Baked, Failure> {
+fn load(args: &StudyArgs, path: &Path, outputs: &StudyFiles) -> Result<Baked, Failure> {
     let options = LoadOptions { size: Some(args.size), ..args.changes.options(args.reads.files(path)?) };
     let mut scene = scene::load_with(path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.inputs())?;

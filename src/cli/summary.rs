@@ -64,7 +64,7 @@ mod tests {
             height: 12,
             origin: (0, 0),
             size: (4, 4),
-            planes: Vec::new(),
+            channels: Vec::new(),
             attributes: Vec::new(),
         };
         let counters = Counters { paths: 3_000_000, rays: 8_000_000, fates, ..Counters::default() };

@@ -9,20 +9,21 @@ use csv::{ByteRecord, ReaderBuilder, Trim};
 use super::failure::Failure;
 use super::units::plural;
 use crate::asset::Files;
+use crate::study::input_error::{Input, InputError};
 use crate::trace::Progress;
 
 /// Rows in memory at a time.
 const CHUNK: usize = 8192;
 
 /// A table, being read.
-pub(super) struct Table {
+pub(super) struct InputTable {
     reader: csv::Reader<File>,
     /// Bytes.
     size: u64,
-    pub(super) header: Header,
+    pub(super) header: TableHeader,
 }
 
-impl Table {
+impl InputTable {
     /// Opens a table that has a `what` per row, as a remedy calls it.
     pub(super) fn open(path: &Path, what: &'static str) -> Result<Self, Failure> {
         let name = path.display().to_string();
@@ -31,12 +32,12 @@ impl Table {
         let size = file.metadata().map_err(unreadable)?.len();
         let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
         let names = reader.byte_headers().map_err(|error| explain(&name, what, &error))?.clone();
-        Ok(Self { reader, size, header: Header { table: name, what, names } })
+        Ok(Self { reader, size, header: TableHeader { table: name, what, names } })
     }
 
     /// The next rows; none at the end.
     pub(super) fn chunk(&mut self) -> Result<Vec<ByteRecord>, Failure> {
-        let Header { table, what, .. } = &self.header;
+        let TableHeader { table, what, .. } = &self.header;
         let rows = self.reader.byte_records().take(CHUNK);
         rows.map(|row| row.map_err(|error| explain(table, what, &error))).collect()
     }
@@ -72,14 +73,14 @@ pub(super) fn line(row: &ByteRecord) -> u64 {
 
 /// The name of a table and those of its columns.
 #[derive(Clone)]
-pub(super) struct Header {
+pub(super) struct TableHeader {
     table: String,
     /// Name of what a row holds.
     what: &'static str,
     names: ByteRecord,
 }
 
-impl Header {
+impl TableHeader {
     /// Index of the column `name`, if there is one.
     pub(super) fn place(&self, name: &str) -> Result<Option<usize>, Failure> {
         let mut places = self.names.iter().enumerate().filter(|(_, found)| *found == name.as_bytes());
@@ -135,6 +136,21 @@ impl Header {
             self.at(line(row), &format!("column `{name}`"), &cause)
                 .help("give a finite number, such as 0.5 or 1e-3")
         })
+    }
+
+    /// Failure of a line whose ray cannot be followed, or whose points cannot be joined.
+    pub(super) fn refuse(&self, line: u64, error: &InputError) -> Failure {
+        let place = match error.input {
+            Input::Parameter(column) => &format!("column `{column}`"),
+            Input::Start => "columns `x0`, `y0`, `z0`",
+            Input::Direction => "columns `dx0`, `dy0`, `dz0`",
+            Input::Sphere => "column `r_out`",
+            Input::Stepper => "--stepper",
+            Input::X => "columns `x0`, `x1`, `x2`",
+            Input::Y => "columns `y0`, `y1`, `y2`",
+            Input::Both => "columns `x0` to `y2`",
+        };
+        self.at(line, place, &error.cause).help(&error.remedy)
     }
 
     /// Failure in a line.

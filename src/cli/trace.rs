@@ -6,14 +6,14 @@ use std::io::Write;
 use csv::ByteRecord;
 
 use super::args::TraceArgs;
+use super::completion::Completion;
 use super::failure::Failure;
-use super::outcome::Outcome;
-use super::rays_table::Columns;
+use super::rays_table::RayColumns;
 use super::rowwise::{self, RowWise, Setup};
 use super::table::line;
 use super::units::{decimal, plural};
 use crate::scene::flag_name;
-use crate::study::free::{self, Accuracy, Crossing, Exit, Status};
+use crate::study::free::{self, Accuracy, Crossing, Exit, FreeRayEnd};
 
 /// Columns that are written.
 const RESULTS: [&str; 17] = [
@@ -22,7 +22,7 @@ const RESULTS: [&str; 17] = [
 ];
 
 /// Follows the rays of a table and writes how they end.
-pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
+pub(super) fn run(args: &TraceArgs) -> Result<Completion, Failure> {
     let accuracy = args.accuracy();
     accuracy.check().map_err(|fault| Failure::new(fault.cause).help(fault.remedy))?;
     let setup = Setup {
@@ -34,18 +34,18 @@ pub(super) fn run(args: &TraceArgs) -> Result<Outcome, Failure> {
         strict: args.strict,
     };
     setup.run(|header| {
-        Ok(Job { columns: Columns::find(header, args.spacetime)?, accuracy, tally: Tally::default() })
+        Ok(TraceJob { columns: RayColumns::find(header, args.spacetime)?, accuracy, tally: Tally::default() })
     })
 }
 
 /// Columns and accuracy of the rays, and a tally of their ends so far.
-struct Job {
-    columns: Columns,
+struct TraceJob {
+    columns: RayColumns,
     accuracy: Accuracy,
     tally: Tally,
 }
 
-impl RowWise for Job {
+impl RowWise for TraceJob {
     type Task = ByteRecord;
     type Answer = Exit;
 
@@ -69,7 +69,8 @@ impl RowWise for Job {
 
     fn answer(&self, row: &ByteRecord) -> Result<Exit, Failure> {
         let (spacetime, ray) = self.columns.ray(row)?;
-        free::trace(spacetime, &ray, &self.accuracy).map_err(|fault| self.columns.refuse(line(row), &fault))
+        free::trace(spacetime, &ray, &self.accuracy)
+            .map_err(|fault| self.columns.header.refuse(line(row), &fault))
     }
 
     fn write(&mut self, row: &ByteRecord, exit: &Exit, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
@@ -84,7 +85,7 @@ impl RowWise for Job {
     }
 
     fn lost(&self) -> usize {
-        self.tally.of(Status::is_lost)
+        self.tally.of(FreeRayEnd::is_lost)
     }
 }
 
@@ -116,21 +117,26 @@ fn results(exit: &Exit) -> [String; RESULTS.len()] {
 
 /// Number of rays by status.
 #[derive(Default)]
-struct Tally([usize; Status::ALL.len()]);
+struct Tally([usize; FreeRayEnd::ALL.len()]);
 
 impl Tally {
-    fn count(&mut self, status: Status) {
+    fn count(&mut self, status: FreeRayEnd) {
         self.0[status as usize] += 1;
     }
 
-    fn of(&self, wanted: impl Fn(Status) -> bool) -> usize {
-        Status::ALL.iter().zip(&self.0).filter(|(status, _)| wanted(**status)).map(|(_, count)| count).sum()
+    fn of(&self, wanted: impl Fn(FreeRayEnd) -> bool) -> usize {
+        FreeRayEnd::ALL
+            .iter()
+            .zip(&self.0)
+            .filter(|(status, _)| wanted(**status))
+            .map(|(_, count)| count)
+            .sum()
     }
 
     /// Counts and speed, on one line.
     fn line(&self, seconds: f64) -> String {
         let rays = self.of(|_| true);
-        let found = Status::ALL.iter().zip(&self.0).filter(|(_, count)| **count > 0);
+        let found = FreeRayEnd::ALL.iter().zip(&self.0).filter(|(_, count)| **count > 0);
         let counts: Vec<String> = found.map(|(status, count)| format!("{count} {}", status.name())).collect();
         let counts = if counts.is_empty() { String::new() } else { format!(": {}", counts.join(", ")) };
         let rate = decimal(rays as f64 / seconds.max(1e-6));

@@ -1,9 +1,9 @@
 //! Output files that appear whole or not at all.
 //!
 //! An [`Output`] is asked for before the work starts, so that a folder that cannot be written to is found at once, and
-//! committed after it. Only then are there bytes, in a temporary file beside the target, which goes away with the process
-//! if that calls [`abandon`] before it ends. What a process leaves that is killed while it writes, the next removes: a temporary
-//! file is locked as long as its process lives.
+//! committed after it. Only then are there bytes, in a temporary file beside the target, which goes away with the
+//! process if that calls [`abandon`] before it ends. What a process leaves that is killed while it writes, the next
+//! removes: a temporary file is locked as long as its process lives.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
@@ -25,7 +25,8 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes unfinished output files, before the process ends; while what it gives is held, no thread begins or finishes one.
+/// Removes unfinished output files, before the process ends; while what it gives is held, no thread begins or finishes
+/// one.
 pub fn abandon() -> impl Sized {
     let unfinished = unfinished();
     for path in unfinished.iter() {
@@ -102,8 +103,8 @@ impl Output {
     }
 }
 
-/// Puts a file that `write` fills in the place of `target`, safely on its disk: else the machine may go down with neither
-/// the new file nor the old one there.
+/// Puts a file that `write` fills in the place of `target`, safely on its disk: else the machine may go down with
+/// neither the new file nor the old one there.
 fn replace(target: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let folder = folder_of(target);
     remove_stale(folder);
@@ -128,7 +129,7 @@ fn replace(target: &Path, write: impl FnOnce(&mut BufWriter<&File>) -> io::Resul
 fn fill(file: &File, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let mut buffer = BufWriter::with_capacity(1 << 18, file);
     let written = write(&mut buffer).and_then(|()| buffer.flush());
-    // What could not be flushed is lost anyway; dropping the buffer would try again.
+    // Bytes that could not be flushed are lost anyway; dropping the buffer would try again.
     let _ = buffer.into_parts();
     written?;
     file.sync_all()
@@ -143,7 +144,8 @@ fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let mut unfinished = unfinished();
     for _ in 0..ATTEMPTS {
         let temporary = builder.tempfile_in(folder_of(target))?;
-        // Before it was locked, another process may have taken it for a stale one. Where files cannot be locked, none are.
+        // Before it was locked, another process may have taken it for a stale one. Where files cannot be locked, none
+        // are.
         let is_taken = matches!(temporary.as_file().try_lock(), Err(TryLockError::WouldBlock));
         if !is_taken && temporary.path().exists() {
             unfinished.insert(temporary.path().to_owned());

@@ -1,7 +1,7 @@
 //! Writing an image as an OpenEXR file.
 //!
 //! One part, one layer without a name, ZIP in blocks of 16 rows, all channels 32-bit floats under the names of the
-//! image's planes: the single-part layout in which compositors find `R`, `G`, `B`, `A`, `depth.Z` and so on.
+//! image's channels: the single-part layout in which compositors find `R`, `G`, `B`, `A`, `depth.Z` and so on.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -14,7 +14,7 @@ use exr::meta::attribute::{self, AttributeValue, IntegerBounds, LevelMode, LineO
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, WritableImage};
 
-use super::image::{Image, Plane};
+use super::image::{Channel, Image};
 
 /// Put before the names of the image's own attributes, so that none can collide with one that the format reserves.
 pub(super) const ATTRIBUTE_PREFIX: &str = "warpfront.";
@@ -27,13 +27,13 @@ const PREAMBLE: u64 = 8;
 /// gives the same bytes.
 ///
 /// # Errors
-/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the planes do not fill the data window or a name does not fit
-/// the format.
+/// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the channels do not fill the data window or a name does not
+/// fit the format.
 pub fn write_exr(image: &Image, mut out: impl Write + Seek) -> io::Result<()> {
     if !image.is_consistent() {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "the planes do not fill the data window"));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "the channels do not fill the data window"));
     }
-    let channels = image.planes.iter().map(|plane| channel(plane, image.size.0)).collect();
+    let channels = image.channels.iter().map(|plane| channel(plane, image.size.0)).collect();
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
@@ -62,7 +62,7 @@ fn sort_attributes(header: &Header, out: &mut (impl Write + Seek)) -> Result<(),
     Ok(out.flush()?)
 }
 
-fn channel(plane: &Plane, width: usize) -> AnyChannel<Rows<'_>> {
+fn channel(plane: &Channel, width: usize) -> AnyChannel<Rows<'_>> {
     AnyChannel {
         name: text(&plane.name),
         sample_data: Rows { width, values: &plane.values },

@@ -4,10 +4,10 @@
 
 pub mod atomic;
 mod exr;
-mod fate;
 mod image;
 mod plane;
 mod png;
+mod ray_end;
 mod read;
 mod sample;
 mod sums;
@@ -15,11 +15,13 @@ mod tone;
 mod wanted;
 
 pub use self::exr::write_exr;
-pub use self::fate::Fate;
-pub use self::image::{BEAUTY, Image, Plane};
-pub use self::plane::{Aov, Needs};
+pub use self::image::{BEAUTY, Channel, Image};
+pub use self::plane::Aov;
+pub(crate) use self::plane::Needs;
 pub use self::png::{write_png, write_rgb8};
+
+pub use self::ray_end::RayEnd;
 pub use self::read::{ReadError, read_exr, read_exr_with};
-pub use self::sample::{CameraRay, Sample};
+pub(crate) use self::sample::{CameraRay, Sample};
 pub(crate) use self::sums::Sums;
-pub use self::wanted::Wanted;
+pub(crate) use self::wanted::Wanted;

@@ -9,19 +9,20 @@ use image::{ExtendedColorType, ImageEncoder, ImageError};
 use super::image::{BEAUTY, Image};
 use super::tone::to_srgb8;
 
-/// Writes the data window of `image` as 8-bit sRGB, made brighter by `exposure` stops and tone mapped; with alpha if the
-/// background is `transparent`, else opaque.
+/// Writes the data window of `image` as 8-bit sRGB, made brighter by `exposure` stops and tone mapped; with alpha if
+/// the background is `transparent`, else opaque.
 ///
-/// Colours are premultiplied, so that leaving alpha out shows them over black. A PNG with alpha holds them divided by it.
+/// Colours are premultiplied, so that leaving alpha out shows them over black. A PNG with alpha holds them divided by
+/// it.
 ///
 /// # Errors
 /// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the image has no `R`, `G`, `B` or is too large for a PNG.
 pub fn write_png(image: &Image, exposure: f64, transparent: bool, out: impl Write) -> io::Result<()> {
-    let [Some(red), Some(green), Some(blue), Some(alpha)] = BEAUTY.map(|name| image.plane(name)) else {
+    let [Some(red), Some(green), Some(blue), Some(alpha)] = BEAUTY.map(|name| image.channel(name)) else {
         return Err(invalid("the picture has no colour channels"));
     };
     if !image.is_consistent() {
-        return Err(invalid("the planes do not fill the data window"));
+        return Err(invalid("the channels do not fill the data window"));
     }
     let gain = libm::exp2(exposure) as f32;
     let colors = red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| Vec3::new(r, g, b));
@@ -72,7 +73,7 @@ fn invalid(what: &str) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::image::Plane;
+    use crate::film::image::Channel;
 
     fn picture(values: [f32; 2]) -> Image {
         Image {
@@ -80,7 +81,7 @@ mod tests {
             height: 9,
             origin: (3, 4),
             size: (2, 1),
-            planes: BEAUTY.map(|name| Plane { name: name.to_owned(), values: values.to_vec() }).to_vec(),
+            channels: BEAUTY.map(|name| Channel { name: name.to_owned(), values: values.to_vec() }).to_vec(),
             attributes: Vec::new(),
         }
     }
@@ -109,7 +110,7 @@ mod tests {
     #[test]
     fn a_transparent_preview_holds_straight_colours_and_their_alpha() {
         let mut image = picture([0.25, 0.0]);
-        for (plane, value) in image.planes.iter_mut().zip([0.107_020_5, 0.0, 0.107_020_5, 0.5]) {
+        for (plane, value) in image.channels.iter_mut().zip([0.107_020_5, 0.0, 0.107_020_5, 0.5]) {
             plane.values[0] = value;
         }
         let mut bytes = Vec::new();
@@ -123,7 +124,7 @@ mod tests {
     #[test]
     fn a_picture_without_colour_is_refused() {
         let mut image = picture([0.0; 2]);
-        image.planes.remove(1);
+        image.channels.remove(1);
         assert!(write_png(&image, 0.0, false, Vec::new()).is_err());
     }
 }

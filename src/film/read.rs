@@ -7,7 +7,7 @@ use exr::meta::header::Header;
 use glam::Vec3;
 
 use super::exr::ATTRIBUTE_PREFIX;
-use super::image::{BEAUTY, Image, Plane};
+use super::image::{BEAUTY, Channel, Image};
 use super::plane::Aov;
 use crate::asset::exr::{Colours, ExrFile};
 use crate::asset::{Files, Flaw};
@@ -32,9 +32,9 @@ pub fn read_exr(path: &Path) -> Result<Image, ReadError> {
 
 /// Reads the EXR at `path`, all channels widened to f32, colours in linear Rec. 709.
 ///
-/// The colours are called R, G and B whatever the layer that they are in; the other channels of that layer lose its name
-/// too. Of a file of several parts, those count that have the same pixels as the colours. Planes come in the order in
-/// which a render makes them, whatever the order in the file; unknown channels come last. Attributes are those that
+/// The colours are called R, G and B whatever the layer that they are in; the other channels of that layer lose its
+/// name too. Of a file of several parts, those count that have the same pixels as the colours. Planes come in the order
+/// in which a render makes them, whatever the order in the file; unknown channels come last. Attributes are those that
 /// [`super::write_exr`] wrote, sorted by name.
 ///
 /// # Errors
@@ -47,8 +47,8 @@ pub fn read_exr_with(path: &Path, files: &Files) -> Result<Image, ReadError> {
     ExrFile::open(&bytes).and_then(|file| decode(&file, files)).map_err(unreadable)
 }
 
-/// A channel of the file that becomes a plane.
-struct Source {
+/// A channel of the file that becomes one of the image.
+struct ChannelSource {
     part: usize,
     channel: usize,
     name: String,
@@ -68,8 +68,9 @@ fn decode(file: &ExrFile, files: &Files) -> Result<Image, Flaw> {
         .memory()
         .check(format!("a picture of {width} × {height} pixels and {} channels", sources.len()), needed)?;
 
-    let plane = |source: &Source| Plane { name: source.name.clone(), values: vec![0.0; width * height] };
-    let mut planes: Vec<Plane> = sources.iter().map(plane).collect();
+    let blank =
+        |source: &ChannelSource| Channel { name: source.name.clone(), values: vec![0.0; width * height] };
+    let mut image_channels: Vec<Channel> = sources.iter().map(blank).collect();
     for part in file.flat_parts() {
         let of_part = sources.iter().enumerate().filter(|(_, source)| source.part == part);
         let (places, channels): (Vec<usize>, Vec<usize>) =
@@ -79,12 +80,12 @@ fn decode(file: &ExrFile, files: &Files) -> Result<Image, Flaw> {
         }
         file.read(part, &channels, &files.memory(), |slot, x, y, value| {
             if let Some(index) = shown.index(x, y) {
-                planes[places[slot]].values[index] = value;
+                image_channels[places[slot]].values[index] = value;
             }
         })?;
     }
     if let Some(colours) = &colours {
-        convert(file, colours, &mut planes);
+        convert(file, colours, &mut image_channels);
     }
     Ok(Image {
         width: display.size.width(),
@@ -92,7 +93,7 @@ fn decode(file: &ExrFile, files: &Files) -> Result<Image, Flaw> {
         origin: shown.origin,
         size: shown.size,
         attributes: attributes(&file.headers()[main]),
-        planes: sorted(planes),
+        channels: sorted(image_channels),
     })
 }
 
@@ -136,12 +137,12 @@ impl Shown {
 }
 
 /// The channels of the main part, its colours first, and of those parts that have the same pixels.
-fn sources(file: &ExrFile, main: usize, colours: Option<&Colours>) -> Vec<Source> {
+fn sources(file: &ExrFile, main: usize, colours: Option<&Colours>) -> Vec<ChannelSource> {
     let mut sources = Vec::new();
     if let Some(colours) = colours {
-        // Luminance alone is three planes too.
+        // Luminance alone is three channels too.
         let list = colours.channels.list();
-        let colour = |(index, name): (usize, &&str)| Source {
+        let colour = |(index, name): (usize, &&str)| ChannelSource {
             part: main,
             channel: list.get(index).or(list.first()).copied().unwrap_or_default(),
             name: (*name).to_owned(),
@@ -159,17 +160,17 @@ fn sources(file: &ExrFile, main: usize, colours: Option<&Colours>) -> Vec<Source
                 let full = file.name(part, channel);
                 let layer = colours.map(|colours| format!("{}.", colours.layer));
                 let own = layer.and_then(|layer| full.strip_prefix(&layer).map(str::to_owned));
-                sources.push(Source { part, channel, name: own.unwrap_or(full) });
+                sources.push(ChannelSource { part, channel, name: own.unwrap_or(full) });
             }
         }
     }
     sources
 }
 
-/// Makes the first three planes linear Rec. 709.
-fn convert(file: &ExrFile, colours: &Colours, planes: &mut [Plane]) {
+/// Makes the first three channels linear Rec. 709.
+fn convert(file: &ExrFile, colours: &Colours, channels: &mut [Channel]) {
     let to_rgb = file.to_rgb(colours);
-    let [red, green, blue, ..] = planes else { return };
+    let [red, green, blue, ..] = channels else { return };
     if to_rgb.is_identity() {
         return;
     }
@@ -179,11 +180,11 @@ fn convert(file: &ExrFile, colours: &Colours, planes: &mut [Plane]) {
 }
 
 /// In the order in which a render makes them.
-fn sorted(mut planes: Vec<Plane>) -> Vec<Plane> {
+fn sorted(mut channels: Vec<Channel>) -> Vec<Channel> {
     let aovs = Aov::ALL.iter().flat_map(|aov| aov.channels());
     let order: Vec<&str> = BEAUTY.iter().chain(aovs).copied().collect();
-    planes.sort_by_key(|plane| order.iter().position(|name| *name == plane.name).unwrap_or(order.len()));
-    planes
+    channels.sort_by_key(|plane| order.iter().position(|name| *name == plane.name).unwrap_or(order.len()));
+    channels
 }
 
 fn attributes(header: &Header) -> Vec<(String, String)> {
@@ -230,14 +231,14 @@ mod tests {
         let plane = |(i, name): (usize, &&str)| {
             let mut values = AWKWARD.to_vec();
             values.rotate_left(i % AWKWARD.len());
-            Plane { name: name.to_string(), values }
+            Channel { name: name.to_string(), values }
         };
         Image {
             width: picture.0,
             height: picture.1,
             origin,
             size: (4, 3),
-            planes: BEAUTY.iter().chain(aovs).enumerate().map(plane).collect(),
+            channels: BEAUTY.iter().chain(aovs).enumerate().map(plane).collect(),
             attributes: [("entity.1", "Würfel"), ("seed", "0"), ("version", "0.1.0")]
                 .map(|(name, value)| (name.to_owned(), value.to_owned()))
                 .to_vec(),
@@ -252,7 +253,7 @@ mod tests {
     }
 
     fn bits(image: &Image) -> Vec<Vec<u32>> {
-        image.planes.iter().map(|plane| plane.values.iter().map(|v| v.to_bits()).collect()).collect()
+        image.channels.iter().map(|plane| plane.values.iter().map(|v| v.to_bits()).collect()).collect()
     }
 
     #[test]
@@ -266,7 +267,7 @@ mod tests {
     #[test]
     fn not_a_number_survives_the_round_trip() {
         let mut image = every_plane((0, 0), (4, 3));
-        image.planes[0].values[5] = f32::NAN;
+        image.channels[0].values[5] = f32::NAN;
         assert_eq!(bits(&round_trip(&image)), bits(&image));
     }
 
@@ -303,7 +304,7 @@ mod tests {
     #[test]
     fn planes_that_do_not_fill_the_window_are_refused() {
         let mut image = every_plane((0, 0), (4, 3));
-        image.planes[2].values.pop();
+        image.channels[2].values.pop();
         let error = write_exr(&image, Cursor::new(Vec::new())).unwrap_err();
         assert_eq!(error.kind(), std::io::ErrorKind::InvalidData);
     }

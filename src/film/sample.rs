@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::fate::Fate;
+use super::ray_end::RayEnd;
 use crate::spacetime::Side;
 
 /// Record that one path leaves in its pixel.
@@ -20,7 +20,7 @@ pub struct Sample<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraRay {
     /// Fate of the ray; all that follows but the side and the length is of a hit only.
-    pub fate: Fate,
+    pub fate: RayEnd,
     /// Side of a wormhole on which it ends, on a surface or at infinity.
     pub side: Option<Side>,
     /// Coordinate path length, scene units; 0 unless some plane needs it.
@@ -38,6 +38,6 @@ pub struct CameraRay {
 impl Sample<'_> {
     /// The camera ray, if it met a surface.
     pub fn first_hit(&self) -> Option<&CameraRay> {
-        self.camera_ray.filter(|ray| ray.fate == Fate::Hit)
+        self.camera_ray.filter(|ray| ray.fate == RayEnd::Hit)
     }
 }

@@ -179,8 +179,8 @@ pub fn fit_arc<R: Real>(step: &Step<R>) -> PlaneArc<R> {
     let (per_n0_cubed, per_n1_cubed) = (per_n0 * per_n0 * per_n0, per_n1 * per_n1 * per_n1);
     let off0 = (fitted * skew - bending0.abs()).abs() * per_n0_cubed;
     let off1 = (fitted * reverse * reverse - bending1.abs()).abs() * per_n1_cubed;
-    // Where both ends agree, what is left is of how the pull varies between them: with the field's strength, and with how
-    // far the radius turns from its straight course. The factor is measured around a hole.
+    // Where both ends agree, what is left is of how the pull varies between them: with the field's strength, and with
+    // how far the radius turns from its straight course. The factor is measured around a hole.
     let curvatures = bending0 * per_n0_cubed + bending1 * per_n1_cubed;
     let turned = (start.pull + end.pull) * (start.v - end.v) * step.h * step.sin * (per_n0 * per_n1);
     let off = R::of(0.009) * off0.at_least(off1) + R::of(7e-5) * (curvatures * turned).abs();

@@ -1,6 +1,6 @@
 //! Step size from error estimates.
 
-use super::stepper::Estimate;
+use super::stepper::StepErrorModel;
 use super::{Phase, PlaneArc, Step, Stepper};
 use crate::math::fast_log2;
 use crate::math::real::Real;
@@ -26,7 +26,7 @@ pub struct Control<R> {
 
 /// A step, judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Verdict<R> {
+pub struct StepVerdict<R> {
     /// True if the step is good enough to be taken.
     pub accepted: bool,
     /// Length in ξ to try next: from the step's end if it is taken, else from its start.
@@ -41,13 +41,14 @@ const GROWTH: (f32, f32) = (0.2, 4.0);
 const HALVED: f32 = 0.5;
 /// Aims a little below the tolerance, so that most steps are accepted.
 const SAFETY: f32 = 0.85;
-/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that every
-/// step is given whatever it sweeps.
+/// Swept angle over which the whole tolerance may be used up, radians: half a turn, and a little for the angle that
+/// every step is given whatever it sweeps.
 const SWEEP: f64 = 3.5;
 /// Angle that a step's share of the tolerance is counted for at least, radians: nearly radial rays sweep next to
 /// nothing.
 const LEAST_SWEEP: f64 = 0.02;
-/// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the chart.
+/// Largest strain of a step: a radial ray keeps its direction whatever the steps do, but must not step out of the
+/// chart.
 const LARGEST_STRAIN: f64 = 0.02;
 /// Largest error of a step along its orbit, radians: close to the circular ray a larger one could hold the ray there.
 const LARGEST_SLIP: f64 = 0.02;
@@ -101,8 +102,8 @@ impl<R: Real> Control<R> {
     /// sweeps. The next length follows a PI controller \[Söderlind 2003, "Digital filters in adaptive time-stepping",
     /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
     #[inline(always)]
-    pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> Verdict<R> {
-        let Estimate { order, embedded, undone } = S::ESTIMATE;
+    pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> StepVerdict<R> {
+        let StepErrorModel { order, embedded, undone } = S::ESTIMATE;
         let share = (step.sin + R::of(LEAST_SWEEP)) * (self.tolerance * R::of(1.0 / SWEEP));
         let own = step.embedded * step.h * self.rate(step.b, &step.start);
         let estimate = R::of(embedded) * own + R::of(undone) * step.undone;
@@ -119,7 +120,7 @@ impl<R: Real> Control<R> {
         let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(bounded)) >> halvings);
         let most = if accepted { GROWTH.1 } else { HALVED };
         let factor = factor.at_most(most).at_least(GROWTH.0);
-        Verdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
+        StepVerdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
     }
 
     /// True if an arc is so near the curve that what meets the one meets the other to the accuracy asked for.

@@ -4,15 +4,15 @@
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.5 and II.10
 //! (DOP853).
 
-use super::stepper::{Estimate, RungeKutta, Stepper, Trial};
+use super::stepper::{RungeKutta, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Dormand–Prince 8(5,3).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Dop853;
 
-/// The estimate is that of order 5. Its quotient with one of order 3, \[H, (10.17)\], is closer in most steps but vanishes
-/// as a square where this one is small by chance: in lenses, errors were hundreds of times the tolerance.
+/// The estimate is that of order 5. Its quotient with one of order 3, \[H, (10.17)\], is closer in most steps but
+/// vanishes as a square where this one is small by chance: in lenses, errors were hundreds of times the tolerance.
 pub(super) const TABLEAU: RungeKutta<13> = RungeKutta {
     c: [
         0.0,
@@ -217,7 +217,7 @@ pub(super) const TABLEAU: RungeKutta<13> = RungeKutta {
 
 impl Stepper for Dop853 {
     const ORDER: u32 = 8;
-    const ESTIMATE: Estimate = Estimate { order: 7, embedded: 0.02, undone: 0.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 7, embedded: 0.02, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

@@ -3,7 +3,7 @@
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.5, table 5.2
 //! (J. R. Dormand, P. J. Prince 1980).
 
-use super::stepper::{Estimate, RungeKutta, Stepper, Trial};
+use super::stepper::{RungeKutta, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Dormand–Prince 5(4).
@@ -26,7 +26,7 @@ const TABLEAU: RungeKutta<7> = RungeKutta {
 
 impl Stepper for Dopri5 {
     const ORDER: u32 = 5;
-    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 1.0, undone: 0.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 6, embedded: 1.0, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

@@ -6,7 +6,7 @@ use crate::spacetime::{ConformallyFlat, Fate};
 
 /// End of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End<R> {
+pub enum OrbitEnd<R> {
     /// It crosses the sphere outwards in this phase, having swept this angle.
     Crosses(Phase<R>, R),
     /// It falls through the horizon before.
@@ -23,7 +23,7 @@ pub enum End<R> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Journey<R> {
     /// End of the ray.
-    pub end: End<R>,
+    pub end: OrbitEnd<R>,
     /// Inverse radius of the point nearest to the centre, if the ray passes one.
     pub periastron: Option<R>,
     /// True if the ray passes a throat: its end is on the other side, in the chart there.
@@ -51,7 +51,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     let mut swept = zero;
     let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
     let mut previous = R::of(1.0);
-    let mut journey = Journey { end: End::StepLimit, periastron: None, passes: false, steps: 0 };
+    let mut journey = Journey { end: OrbitEnd::StepLimit, periastron: None, passes: false, steps: 0 };
     let throat = R::of(1.0 / medium.throat());
     let mut take = |step: &Step<R>, swept: &mut R| {
         each(step);
@@ -62,10 +62,10 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         let inwards = phase.v > zero;
         let falls = inwards && fate == Fate::Falls;
         if falls && medium.throat() == 0.0 {
-            return Journey { end: End::Falls, ..journey };
+            return Journey { end: OrbitEnd::Falls, ..journey };
         }
         if !inwards && phase.w < out {
-            return Journey { end: End::Misses, ..journey };
+            return Journey { end: OrbitEnd::Misses, ..journey };
         }
         journey.steps += 1;
         // Where a step ends is free: its length carries no derivative.
@@ -74,7 +74,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         if !verdict.accepted {
             // A step that has vanished, or a state that is no longer finite.
             if verdict.next_h.value() < f64::from(f32::MIN_POSITIVE) || !phase.w.value().is_finite() {
-                return Journey { end: End::NonFinite, ..journey };
+                return Journey { end: OrbitEnd::NonFinite, ..journey };
             }
             h = verdict.next_h;
             continue;
@@ -92,11 +92,11 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
             if inwards {
                 journey.periastron = Some(phase.w);
             } else {
-                return Journey { end: End::Falls, ..journey };
+                return Journey { end: OrbitEnd::Falls, ..journey };
             }
         } else if !inwards && step.end.w <= out {
             phase = take(&until(medium, stepper, &step, out), &mut swept);
-            return Journey { end: End::Crosses(phase, swept), ..journey };
+            return Journey { end: OrbitEnd::Crosses(phase, swept), ..journey };
         } else {
             phase = take(&step, &mut swept);
         }

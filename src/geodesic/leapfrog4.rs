@@ -3,7 +3,7 @@
 //! Reference: \[S\] Suzuki 1990, "Fractal decomposition of exponential operators", Phys. Lett. A 146, 319. Hairer,
 //! Lubich, Wanner, "Geometric Numerical Integration", 2nd ed., II.4, (4.5).
 
-use super::stepper::{Estimate, Stepper, Trial, added, scaled, sum};
+use super::stepper::{StepErrorModel, Stepper, Trial, added, scaled, sum};
 use crate::math::real::Real;
 
 /// Suzuki's composition of leapfrogs, order 4.
@@ -20,7 +20,7 @@ const CURVED: [f64; 6] = [1.0, -1.0, 0.0, 0.0, -1.0, 1.0];
 
 impl Stepper for Leapfrog4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 0.02, undone: 12.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 5, embedded: 0.02, undone: 12.0 };
 
     /// There is no second solution to compare with: the error is estimated by what the step violates of the constraint,
     /// which in a weak field may vanish by chance, and by how much the force curves, O(h⁴) in the position.

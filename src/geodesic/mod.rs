@@ -1,4 +1,4 @@
-//! Null geodesics of conformally flat spacetimes: orbits, steppers, error control, arcs.
+//! Null geodesics: orbits of conformally flat spacetimes, steppers, error control, arcs; spinning holes in [`kerr`].
 //!
 #![doc = include_str!("accuracy.md")]
 
@@ -7,6 +7,7 @@ mod control;
 mod dop853;
 mod dopri5;
 mod follow;
+pub mod kerr;
 mod leapfrog4;
 mod lens;
 mod orbit;
@@ -19,10 +20,10 @@ mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
-pub use control::{Control, Verdict};
+pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
-pub use follow::{End, Journey, follow, until};
+pub use follow::{Journey, OrbitEnd, follow, until};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};
@@ -31,5 +32,5 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
-pub use stepper::{Estimate, Stepper, Trial};
+pub use stepper::{StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

@@ -227,8 +227,9 @@ impl<R: Real> Step<R> {
         let (per_w, per_v) = (b * per_n, b * w.abs() * per_n2);
         let angle = |w_error: R, v_error: R| w_error.abs() * per_w + v_error.abs() * per_v;
         let v_error = v_error * secant;
-        // What may be rounding counts neither as an error, which it would look like near the circular ray, where both slopes
-        // vanish, nor as a way, which would move rays about far from the centre. Near the horizon it is that of w.
+        // Differences that may be rounding count neither as an error, which it would look like near the circular ray,
+        // where both slopes vanish, nor as a way, which would move rays about far from the centre. Near the horizon it
+        // is that of w.
         let rounding = R::of(ROUNDING * R::EPSILON) * (n2 + pull.abs() * w);
         let known = (excess.abs() - rounding).at_least(R::of(0.0));
         let known_shift = known * scale;

@@ -3,7 +3,7 @@
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.1, table 1.2
 //! (W. Kutta 1901).
 
-use super::stepper::{Estimate, RungeKutta, Stepper, Trial};
+use super::stepper::{RungeKutta, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Kutta's classical method, order 4.
@@ -25,7 +25,7 @@ const TABLEAU: RungeKutta<5> = RungeKutta {
 
 impl Stepper for Rk4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 1.0, undone: 4.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 5, embedded: 1.0, undone: 4.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

@@ -4,7 +4,7 @@
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.4, table 5.1
 //! (E. Fehlberg 1969).
 
-use super::stepper::{Estimate, RungeKutta, Stepper, Trial};
+use super::stepper::{RungeKutta, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Runge–Kutta–Fehlberg 4(5).
@@ -35,7 +35,7 @@ const TABLEAU: RungeKutta<7> = RungeKutta {
 
 impl Stepper for Rkf45 {
     const ORDER: u32 = 5;
-    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 5.0, undone: 0.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 6, embedded: 5.0, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

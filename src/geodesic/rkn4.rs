@@ -2,7 +2,7 @@
 //!
 //! Reference: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.14.
 
-use super::stepper::{Estimate, Nystrom, Stepper, Trial};
+use super::stepper::{Nystrom, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Nyström, order 4.
@@ -13,8 +13,8 @@ pub struct Rkn4;
 const CURVED: f64 = 0.02;
 
 /// The estimate compares the last stage of the method with the force at the end of the step, O(h³) apart. In a weak
-/// field they agree, and what the step violates of the constraint may vanish by chance: there the curvature of the force
-/// is what is known of the error.
+/// field they agree, and what the step violates of the constraint may vanish by chance: there the curvature of the
+/// force is what is known of the error.
 const TABLEAU: Nystrom<4> = Nystrom {
     c: [0.0, 0.5, 1.0, 1.0],
     a: [[0.0; 4], [1.0 / 8.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [1.0 / 6.0, 2.0 / 6.0, 0.0, 0.0]],
@@ -25,7 +25,7 @@ const TABLEAU: Nystrom<4> = Nystrom {
 
 impl Stepper for Rkn4 {
     const ORDER: u32 = 4;
-    const ESTIMATE: Estimate = Estimate { order: 5, embedded: 1.0, undone: 10.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 5, embedded: 1.0, undone: 10.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

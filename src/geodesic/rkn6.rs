@@ -2,7 +2,7 @@
 //!
 //! Reference: \[D\] Dormand, Prince 1987, "Runge–Kutta–Nyström triples", Comput. Math. Appl. 13(12), 937.
 
-use super::stepper::{Estimate, Nystrom, Stepper, Trial};
+use super::stepper::{Nystrom, StepErrorModel, Stepper, Trial};
 use crate::math::real::Real;
 
 /// Nyström, order 6 with an estimate of order 4.
@@ -71,7 +71,7 @@ const TABLEAU: Nystrom<6> = Nystrom {
 
 impl Stepper for Rkn6 {
     const ORDER: u32 = 6;
-    const ESTIMATE: Estimate = Estimate { order: 6, embedded: 0.008, undone: 0.0 };
+    const ESTIMATE: StepErrorModel = StepErrorModel { order: 6, embedded: 0.008, undone: 0.0 };
 
     #[inline(always)]
     fn step<R: Real, const N: usize>(

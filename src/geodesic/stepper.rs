@@ -23,7 +23,7 @@ pub struct Trial<R, const N: usize = 1> {
 /// From what is known of a step to its error along the orbit, which is what remains: factors calibrated on random rays
 /// around a hole, such that the error of a whole ray keeps within its tolerance (`tests/it/geodesics/tolerance.rs`).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct StepErrorModel {
     /// Power of the step length with which the estimate falls.
     pub order: u32,
     /// Factor on the stepper's own estimate times the step's relative length: it falls one order slower than the error.
@@ -38,7 +38,7 @@ pub trait Stepper: Copy + Send + Sync {
     const ORDER: u32;
 
     /// Estimate of its error.
-    const ESTIMATE: Estimate;
+    const ESTIMATE: StepErrorModel;
 
     /// One step of length `h` from ξ = 0, given W, dW/dξ and G there.
     fn step<R: Real, const N: usize>(
@@ -82,7 +82,7 @@ pub(super) fn sum<R: Real, const N: usize, const S: usize>(
     values: &[[R; N]; S],
     count: usize,
 ) -> [R; N] {
-    // What is added to −0 stays what it is: no operation.
+    // Adding to −0 changes nothing: no operation.
     let mut sum = [R::of(-0.0); N];
     for j in 0..count {
         if weights[j] != 0.0 {
@@ -113,8 +113,8 @@ pub(super) fn added<R: Real, const N: usize>(mut a: [R; N], b: [R; N]) -> [R; N]
 }
 
 impl<const S: usize> RungeKutta<S> {
-    /// One step of y′ = `slope`(ξ, y), given y and y′ at its start: change of y, and its estimated error. The `D` vectors
-    /// of y are a position and its derivatives, or whatever else a system of first order is made of.
+    /// One step of y′ = `slope`(ξ, y), given y and y′ at its start: change of y, and its estimated error. The `D`
+    /// vectors of y are a position and its derivatives, or whatever else a system of first order is made of.
     #[inline(always)]
     pub(super) fn advance<R: Real, const N: usize, const D: usize>(
         &self,

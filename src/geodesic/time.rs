@@ -80,7 +80,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::geodesic::{Control, Dop853, End, Launch, Rkn6, follow};
+    use crate::geodesic::{Control, Dop853, Launch, OrbitEnd, Rkn6, follow};
     use crate::spacetime::Schwarzschild;
 
     /// r_s.
@@ -96,7 +96,7 @@ mod tests {
         let journey = follow(&medium, &stepper, &control, ray, 1.0 / r_out, |step| {
             time += elapsed(&medium, &stepper, step);
         });
-        assert!(matches!(journey.end, End::Crosses(..)), "{journey:?}");
+        assert!(matches!(journey.end, OrbitEnd::Crosses(..)), "{journey:?}");
         time
     }
 

@@ -72,8 +72,8 @@ impl Geometry {
         geometry
     }
 
-    /// Builds the top hierarchy over all members, and puts the triangles in its leaf order. They are placed twice, for their
-    /// boxes and in order: to keep them in between would take more memory than anything else.
+    /// Builds the top hierarchy over all members, and puts the triangles in its leaf order. They are placed twice, for
+    /// their boxes and in order: to keep them in between would take more memory than anything else.
     fn build_top(&mut self, triangles: usize, placings: &[Placing]) {
         let (others, count) = (self.others.len(), self.others.len() + triangles);
         let triangle = |number: usize| {
@@ -137,11 +137,11 @@ impl Geometry {
     /// A triangle from the middle of a placed mesh, for all of them: asked of every instance, so no walk of the mesh.
     fn placed_extent(&self, placed: &Placed) -> f64 {
         let Some(shared) = &self.shared[placed.mesh as usize] else { return 0.0 };
-        let origin_prim = shared.bvh.order().len() / LEAF_SIZE;
-        if origin_prim == 0 {
+        let leaves = shared.bvh.order().len() / LEAF_SIZE;
+        if leaves == 0 {
             return 0.0;
         }
-        let (min, max) = shared.triangles.get(origin_prim / 2 * LEAF_SIZE).bounds();
+        let (min, max) = shared.triangles.get(leaves / 2 * LEAF_SIZE).bounds();
         min.distance(max) / placed.shrink
     }
 }

@@ -1,8 +1,8 @@
 //! Surfaces that lie upon each other: objects doubled by accident, glass that stands on a floor.
 //!
-//! Which of them a ray meets first, and whether it meets the others at all, must not be left to rounding. A segment that leaves
-//! a primitive leaves all that coincides with it at its start ([`Geometry::past_start`]); what a ray meets together with
-//! something is asked for ([`Geometry::upon`]).
+//! Rounding must not decide which of them a ray meets first, nor whether it meets the others at all. A segment that
+//! leaves a primitive leaves all that coincides with it at its start ([`Geometry::past_start`]); what a ray meets
+//! together with something is asked for ([`Geometry::upon`]).
 
 use glam::DVec3;
 
@@ -12,8 +12,8 @@ use super::nearest::Leaving;
 use super::scene::Item;
 use super::{Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere, SupportingSurface};
 
-/// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of triangles
-/// they are in f32.
+/// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of
+/// triangles they are in f32.
 const ON: f64 = 1e-12;
 const ON_TRIANGLES: f64 = 2.5e-7;
 /// Square of the sine of the angle between surfaces that lie upon each other.
@@ -52,8 +52,8 @@ impl Geometry {
         point.distance_squared(start) <= near * near
     }
 
-    /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met, which is
-    /// near its start.
+    /// The first hit of a segment that leaves a primitive, given the first that there is if all others are met, which
+    /// is near its start.
     #[cold]
     pub(super) fn past_start<S: Segment>(
         &self,

@@ -1,4 +1,5 @@
-//! Which triangles of a block a segment may cross, in f32, lane beside lane: few are left to be tested exactly.
+//! Conservative test for the triangles of a block that a segment may cross, in f32, lane beside lane: few are left to
+//! be tested exactly.
 //!
 //! A segment, which turns by less than half a circle, is its chord, moved by a part of its bow. So where it crosses a
 //! triangle some of these lines pass inside the triangle's edges, and they do not all stay on one side of its plane.
@@ -27,8 +28,8 @@ pub struct Cull {
     until: f32,
 }
 
-/// Rounding of a volume beside the product of the largest components of its factors: a dozen roundings of half an epsilon
-/// of six products; thrice that.
+/// Rounding of a volume beside the product of the largest components of its factors: a dozen roundings of half an
+/// epsilon of six products; thrice that.
 const ROUNDING: f32 = 64.0 * f32::EPSILON;
 /// Beyond this the product of three lengths leaves the range of f32.
 const LARGEST: f32 = 1e12;
@@ -123,7 +124,8 @@ mod tests {
         }
     }
 
-    /// Counts what is crossed, screened and passed by of `count` triangles of many sizes around segments of size `scale`.
+    /// Counts what is crossed, screened and passed by of `count` triangles of many sizes around segments of size
+    /// `scale`.
     fn screened<S: Segment, const BENDS: bool>(
         scale: f64,
         segment: impl Fn([DVec3; 3], f64) -> S,

@@ -154,8 +154,8 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     }
 }
 
-/// First crossing of what is no triangle by `segment` (relative to the origin), by parameter (infinite if there is none) and
-/// triangle of an instance.
+/// First crossing of what is no triangle by `segment` (relative to the origin), by parameter (infinite if there is
+/// none) and triangle of an instance.
 fn cross_other<S: Segment, L: Leaving>(
     geometry: &Geometry,
     slot: u32,
@@ -182,7 +182,8 @@ fn cross_other<S: Segment, L: Leaving>(
     }
 }
 
-/// First crossing of a triangle of the mesh placed in a slot, by parameter (infinite if there is none) and slot in the mesh.
+/// First crossing of a triangle of the mesh placed in a slot, by parameter (infinite if there is none) and slot in the
+/// mesh.
 fn cross_instance<S: Segment, L: Leaving>(
     geometry: &Geometry,
     item: u32,

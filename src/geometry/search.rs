@@ -32,11 +32,11 @@ pub struct Search<S: SideBySide> {
     /// The first crossing, by lane; nothing for what is not to be searched as a whole.
     pub found: Vec<Option<Found>>,
     few: SmallScene,
-    part: Part<S>,
+    part: SideQueries<S>,
 }
 
 /// The queries on one side of a wormhole.
-struct Part<S: SideBySide> {
+struct SideQueries<S: SideBySide> {
     lanes: Vec<usize>,
     queries: Columns<Query<S>>,
     found: Vec<Option<Found>>,
@@ -47,7 +47,7 @@ const TURNS: usize = 8;
 
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
-        let part = Part { lanes: Vec::new(), queries: Columns::default(), found: Vec::new() };
+        let part = SideQueries { lanes: Vec::new(), queries: Columns::default(), found: Vec::new() };
         Self { queries: Columns::default(), found: Vec::new(), few: SmallScene::default(), part }
     }
 }
@@ -124,7 +124,7 @@ struct Interleaved<'a, S: SideBySide> {
 }
 
 /// A walk with what it looks for, and for which lane.
-struct Turn<'a, S> {
+struct LaneWalk<'a, S> {
     walk: Walk<HeapStack<u64>>,
     nearest: Nearest<'a, S, PrimitiveId>,
     lane: usize,
@@ -137,7 +137,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
     fn call(self) {
         let Interleaved { geometry, queries, found } = self;
         let bvh = &geometry.bvh;
-        let mut turns: [Turn<S>; TURNS] = std::array::from_fn(|_| Turn {
+        let mut walks: [LaneWalk<S>; TURNS] = std::array::from_fn(|_| LaneWalk {
             walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
             nearest: Nearest::new(geometry, &S::default(), PrimitiveId::NONE),
             lane: 0,
@@ -145,8 +145,8 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
         let (mut lane, mut busy) = (0, true);
         while busy || lane < found.len() {
             busy = false;
-            for turn in &mut turns {
-                if !turn.walk.is_on {
+            for lane_walk in &mut walks {
+                if !lane_walk.walk.is_on {
                     let Some(next) = (lane..found.len()).find(|&lane| queries.get(lane).need == Need::Whole)
                     else {
                         lane = found.len();
@@ -154,19 +154,20 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
                     };
                     lane = next + 1;
                     let Query { segment, origin_prim, .. } = queries.get(next);
-                    turn.lane = next;
-                    turn.nearest = Nearest::new(geometry, &segment, origin_prim);
-                    turn.walk.start(bvh, &turn.nearest.chord(), &mut turn.nearest);
+                    lane_walk.lane = next;
+                    lane_walk.nearest = Nearest::new(geometry, &segment, origin_prim);
+                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), &mut lane_walk.nearest);
                 } else {
-                    turn.walk.step(bvh, &mut turn.nearest);
+                    lane_walk.walk.step(bvh, &mut lane_walk.nearest);
                 }
-                if turn.walk.is_on {
-                    turn.walk.prefetch(bvh, &turn.nearest);
+                if lane_walk.walk.is_on {
+                    lane_walk.walk.prefetch(bvh, &lane_walk.nearest);
                     busy = true;
                 } else {
-                    let point = |s: f64| queries.get(turn.lane).segment.point(s);
-                    let hit = turn.nearest.hit;
-                    found[turn.lane] = hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
+                    let point = |s: f64| queries.get(lane_walk.lane).segment.point(s);
+                    let hit = lane_walk.nearest.hit;
+                    found[lane_walk.lane] =
+                        hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
                 }
             }
         }

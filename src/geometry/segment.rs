@@ -15,16 +15,17 @@ pub struct Chord {
     pub start: DVec3,
     /// End.
     pub end: DVec3,
-    /// The way from the chord to the segment where they are farthest apart, square to the chord: elsewhere the segment is a
-    /// part of that way off.
+    /// The way from the chord to the segment where they are farthest apart, square to the chord: elsewhere the segment
+    /// is a part of that way off.
     pub bow: DVec3,
 }
 
 /// A piece of a ray over a parameter s in [0, 1], half-open: a crossing at the shared end of two segments belongs to
 /// exactly one of them.
 ///
-/// The intersections give the smallest s at which the segment crosses the shape, infinite if there is none. `starts_on` says
-/// that the segment starts on that very shape: the crossing at s = 0 is then divided out exactly, and later ones count.
+/// The intersections give the smallest s at which the segment crosses the shape, infinite if there is none. `starts_on`
+/// says that the segment starts on that very shape: the crossing at s = 0 is then divided out exactly, and later ones
+/// count.
 pub trait Segment: Copy {
     /// True if it may leave its chord, and so come back to a plane that it starts on.
     const BENDS: bool;

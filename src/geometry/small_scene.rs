@@ -114,8 +114,8 @@ pub trait SideBySide: Segment + Row {
     /// The segment, prepared.
     fn prepared(&self) -> Self::Prepared;
 
-    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. With it come the slots that the
-    /// segments start on, and its own.
+    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. With it come the slots that
+    /// the segments start on, and its own.
     fn cross_spheres(
         segments: &<Self::Prepared as Row>::Block,
         sphere: Sphere,

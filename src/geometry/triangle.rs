@@ -21,7 +21,7 @@ columns! {
 }
 
 /// A triangle's corner, edges from it, and their cross product.
-struct Frame {
+struct TriangleEdges {
     corner: DVec3,
     e1: DVec3,
     e2: DVec3,
@@ -56,21 +56,21 @@ impl Triangle {
 
     /// Barycentric coordinates (of corners 1 and 2) of the point of the plane nearest to `point`.
     pub fn barycentrics(&self, point: DVec3) -> (f64, f64) {
-        let Frame { corner, e1, e2, normal } = self.frame();
+        let TriangleEdges { corner, e1, e2, normal } = self.frame();
         let to = point - corner;
         let area2 = normal.length_squared();
         (to.cross(e2).dot(normal) / area2, e1.cross(to).dot(normal) / area2)
     }
 
     #[inline(always)]
-    fn frame(&self) -> Frame {
+    fn frame(&self) -> TriangleEdges {
         let [corner, b, c] = self.corners();
         let (e1, e2) = (b - corner, c - corner);
-        Frame { corner, e1, e2, normal: e1.cross(e2) }
+        TriangleEdges { corner, e1, e2, normal: e1.cross(e2) }
     }
 }
 
-impl Frame {
+impl TriangleEdges {
     /// True if the point `p` of the plane lies in the triangle, edges included.
     ///
     /// Edges are widened by the rounding of `p` and of the products, so that no ray slips between two triangles.
@@ -128,8 +128,8 @@ pub fn cross_arc(arc: &Arc, triangle: &Triangle, starts_on: bool) -> f64 {
     }
 }
 
-/// The places where the quadratic with Bernstein coefficients `start`, `middle`, `end` is 0, in order; infinite for those
-/// that there are not.
+/// The places where the quadratic with Bernstein coefficients `start`, `middle`, `end` is 0, in order; infinite for
+/// those that there are not.
 ///
 /// `leaves`: the root at 0 (where `start` vanishes) does not count.
 #[inline(always)]

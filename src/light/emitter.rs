@@ -140,8 +140,8 @@ impl Emitter {
         if receiver.normal.dot(from) > 0.0 { Standpoint::Upon } else { Standpoint::Inside }
     }
 
-    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that emit,
-    /// and of a sphere from the side on which the place is.
+    /// True if light that arrives at the cosine `cos` to the normal is emitted towards a place: from the sides that
+    /// emit, and of a sphere from the side on which the place is.
     pub fn is_lit_by(&self, cos: f64, standpoint: Standpoint) -> bool {
         let is_front = match self.sphere() {
             Some(_) => standpoint != Standpoint::Inside,
@@ -223,7 +223,7 @@ fn around(axis: DVec3, height: f64, v: f64) -> DVec3 {
 }
 
 /// A sphere seen from outside.
-struct Cone {
+struct SphereCap {
     /// Distance of the onlooker from the middle over the radius.
     distance: f64,
     /// The square of that less 1.
@@ -236,7 +236,7 @@ struct Cone {
     even: f64,
 }
 
-impl Cone {
+impl SphereCap {
     /// `None` where any point may be seen.
     fn of(sphere: &Sphere, view: &View) -> Option<Self> {
         let View::Outside(Approach { distance, direction, is_exact }) = *view else { return None };
@@ -248,10 +248,10 @@ impl Cone {
     }
 }
 
-/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any point
-/// where any may be seen, and now and then where the view is a guess.
+/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any
+/// point where any may be seen, and now and then where the view is a guess.
 fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
-    let Some(cone) = Cone::of(sphere, view) else { return around(DVec3::Z, 2.0 * u, v) };
+    let Some(cone) = SphereCap::of(sphere, view) else { return around(DVec3::Z, 2.0 * u, v) };
     if u < cone.even {
         return around(DVec3::Z, 2.0 * u / cone.even, v);
     }
@@ -268,7 +268,7 @@ fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
 /// Density over the area of [`sphere_normal`].
 fn sphere_density(sphere: &Sphere, view: &View, normal: DVec3) -> f64 {
     let even = 1.0 / (4.0 * PI * sphere.radius * sphere.radius);
-    let Some(cone) = Cone::of(sphere, view) else { return even };
+    let Some(cone) = SphereCap::of(sphere, view) else { return even };
     let offset = sphere.radius * (cone.distance * cone.direction + normal);
     let distance2 = offset.length_squared();
     let cos = -offset.dot(normal) / distance2.sqrt();

@@ -1,10 +1,10 @@
 //! Guide: directions of light through mirrors and glass, learned from photons.
 //!
-//! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands after
-//! mirrors and glass, light from there came back the same way. Photons that came the same way to the same neighbourhood
-//! are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen from these lobes
-//! has a density known in closed form, so that light found with it can be shared with light found by BSDF sampling,
-//! however well or badly the lobes fit.
+//! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands
+//! after mirrors and glass, light from there came back the same way. Photons that came the same way to the same
+//! neighbourhood are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen
+//! from these lobes has a density known in closed form, so that light found with it can be shared with light found by
+//! BSDF sampling, however well or badly the lobes fit.
 //!
 //! Reference for guiding by photons: Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
 
@@ -35,14 +35,14 @@ pub struct Photon {
 /// Directions of light through mirrors and glass, by place.
 #[derive(Clone, Debug, Default)]
 pub struct Guide {
-    nodes: Vec<Node>,
-    origin_prim: Vec<Leaf>,
-    lobes: Vec<Lobe>,
+    nodes: Vec<GuideNode>,
+    leaves: Vec<GuideLeaf>,
+    lobes: Vec<GuideLobe>,
 }
 
 /// A node of a k-d tree.
 #[derive(Clone, Copy, Debug)]
-enum Node {
+enum GuideNode {
     /// Below `at` along `axis` the next node, else the node `above`.
     Split { axis: usize, at: f64, above: u32 },
     /// An index into the leaves.
@@ -51,7 +51,7 @@ enum Node {
 
 /// A neighbourhood.
 #[derive(Clone, Copy, Debug)]
-struct Leaf {
+struct GuideLeaf {
     /// Middle of its photons.
     middle: DVec3,
     /// Distance from the middle at which the lobes are not to be trusted.
@@ -65,7 +65,7 @@ struct Leaf {
 
 /// A lobe of directions.
 #[derive(Clone, Copy, Debug)]
-struct Lobe {
+struct GuideLobe {
     /// Share of the leaf's light.
     weight: f64,
     /// Centre of the fit.
@@ -110,13 +110,13 @@ impl Guide {
         let mut guide = Self::default();
         let mut counts = Vec::new();
         guide.split(&mut specular, &mut counts);
-        let mut direct = vec![0usize; guide.origin_prim.len()];
+        let mut direct = vec![0usize; guide.leaves.len()];
         for photon in photons.iter().filter(|photon| photon.way.is_none()) {
             if let Some(leaf) = guide.leaf_index(photon.position) {
                 direct[leaf] += 1;
             }
         }
-        for ((leaf, specular), direct) in guide.origin_prim.iter_mut().zip(counts).zip(direct) {
+        for ((leaf, specular), direct) in guide.leaves.iter_mut().zip(counts).zip(direct) {
             let specular = CAUTION * specular as f64;
             leaf.share = (specular / (specular + direct as f64)).clamp(SHARES.0, SHARES.1);
         }
@@ -125,7 +125,7 @@ impl Guide {
 
     /// Neighbourhood of `x`; `None` if no photon landed near it.
     pub fn around(&self, x: DVec3) -> Option<Neighbourhood<'_>> {
-        let leaf = self.origin_prim[self.leaf_index(x)?];
+        let leaf = self.leaves[self.leaf_index(x)?];
         let lobes = &self.lobes[leaf.first as usize..][..leaf.count as usize];
         Some(Neighbourhood { share: leaf.share, lobes })
     }
@@ -135,11 +135,11 @@ impl Guide {
         let mut node = 0;
         loop {
             match self.nodes[node] {
-                Node::Split { axis, at, above } => {
+                GuideNode::Split { axis, at, above } => {
                     node = if x[axis] < at { node + 1 } else { above as usize }
                 }
-                Node::Leaf(leaf) => {
-                    let Leaf { middle, reach, .. } = self.origin_prim[leaf as usize];
+                GuideNode::Leaf(leaf) => {
+                    let GuideLeaf { middle, reach, .. } = self.leaves[leaf as usize];
                     return (x.distance_squared(middle) <= reach * reach).then_some(leaf as usize);
                 }
             }
@@ -155,7 +155,7 @@ impl Guide {
         let axis = (high - low).max_position();
         if photons.len() <= LEAF || low[axis] == high[axis] {
             counts.push(photons.len());
-            self.nodes.push(Node::Leaf(self.origin_prim.len() as u32));
+            self.nodes.push(GuideNode::Leaf(self.leaves.len() as u32));
             self.add_leaf(photons, 0.5 * (low + high), low.distance(high));
             return;
         }
@@ -163,10 +163,10 @@ impl Guide {
         let order = |a: &Photon, b: &Photon| a.position[axis].total_cmp(&b.position[axis]);
         let at = photons.select_nth_unstable_by(middle, order).1.position[axis];
         let node = self.nodes.len();
-        self.nodes.push(Node::Leaf(0));
+        self.nodes.push(GuideNode::Leaf(0));
         let (below, above) = photons.split_at_mut(middle);
         self.split(below, counts);
-        self.nodes[node] = Node::Split { axis, at, above: self.nodes.len() as u32 };
+        self.nodes[node] = GuideNode::Split { axis, at, above: self.nodes.len() as u32 };
         self.split(above, counts);
     }
 
@@ -177,10 +177,10 @@ impl Guide {
         }
         let first = self.lobes.len() as u32;
         for way in ways.values() {
-            self.lobes.extend(Lobe::fit(way, way.len() as f64 / photons.len() as f64));
+            self.lobes.extend(GuideLobe::fit(way, way.len() as f64 / photons.len() as f64));
         }
         let count = self.lobes.len() as u32 - first;
-        self.origin_prim.push(Leaf { middle, reach: diagonal, first, count, share: 0.0 });
+        self.leaves.push(GuideLeaf { middle, reach: diagonal, first, count, share: 0.0 });
     }
 }
 
@@ -189,7 +189,7 @@ impl Guide {
 pub struct Neighbourhood<'a> {
     /// Share of light samples that are to be taken from here.
     pub share: f64,
-    lobes: &'a [Lobe],
+    lobes: &'a [GuideLobe],
 }
 
 impl Neighbourhood<'_> {
@@ -211,7 +211,7 @@ impl Neighbourhood<'_> {
     }
 }
 
-impl Lobe {
+impl GuideLobe {
     /// The lobe of photons that came the same way; `None` if they come from all around.
     fn fit(photons: &[&Photon], weight: f64) -> Option<Self> {
         let count = photons.len() as f64;

@@ -30,15 +30,15 @@ pub struct Lights {
     tree: Tree,
     /// The same for receivers on the far side of a wormhole.
     far_tree: Tree,
-    /// Throat through which the lights of the other side are seen.
-    throat: Option<Throat>,
+    /// Transmission through which the lights of the other side are seen.
+    throat: Option<Transmission>,
     /// Least orientation factor of the tree.
     floor: f64,
 }
 
-/// Throat of a wormhole, as a light tree sees it.
+/// Transmission of a wormhole, as a light tree sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Throat {
+pub struct Transmission {
     /// Its centres on both sides.
     pub mouths: Mouths,
     /// Isotropic radius.
@@ -47,7 +47,7 @@ pub struct Throat {
     pub critical: f64,
 }
 
-impl Throat {
+impl Transmission {
     /// The emission of the other side as it comes out of the mouth on `side`. A pencil of radial rays from R to R′ beyond
     /// spreads to (π R R′/b_c)² times its solid angle.
     fn transmits(&self, side: Side, emission: Emission) -> Emission {
@@ -60,7 +60,7 @@ impl Throat {
 }
 
 /// A light that was chosen, and the probability of the choice.
-pub(super) enum Choice<'a> {
+pub(super) enum ChosenLight<'a> {
     /// A surface.
     Surface(&'a Emitter, f64),
     /// A punctual light in the world, with its index.
@@ -113,7 +113,7 @@ impl Lights {
     }
 
     /// The lights of two worlds that a throat joins.
-    pub fn through(self, throat: Throat) -> Self {
+    pub fn through(self, throat: Transmission) -> Self {
         let mut lights = Self { throat: Some(throat), ..self };
         lights.build_tree();
         lights
@@ -213,7 +213,7 @@ impl Lights {
     }
 
     /// A light for `receiver`, from a number in [0, 1); `None` if none that was looked at can contribute.
-    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<Choice<'_>> {
+    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenLight<'_>> {
         let [in_world, distant, sky] = self.shares();
         if u < in_world {
             let (index, pmf, _) = self.tree(receiver.on.side()).sample(
@@ -223,11 +223,11 @@ impl Lights {
             )?;
             let pmf = in_world * pmf;
             return Some(match self.emitters.get(index as usize) {
-                Some(emitter) => Choice::Surface(emitter, pmf),
+                Some(emitter) => ChosenLight::Surface(emitter, pmf),
                 None => {
                     let point = index - self.emitters.len() as u32;
                     let (side, light) = &self.points[point as usize];
-                    Choice::Point(*side, light, point, pmf)
+                    ChosenLight::Point(*side, light, point, pmf)
                 }
             });
         }
@@ -235,14 +235,14 @@ impl Lights {
         if u < in_world + distant {
             let count = self.distant.len();
             let (side, light) = &self.distant[among(count, (u - in_world) / distant)];
-            return Some(Choice::Distant(*side, light, count as f64 / distant));
+            return Some(ChosenLight::Distant(*side, light, count as f64 / distant));
         }
         let count = self.skies.len();
         if count == 0 {
             return None;
         }
         let (side, picture) = &self.skies[among(count, (u - in_world - distant) / sky)];
-        Some(Choice::Sky(*side, picture, sky / count as f64))
+        Some(ChosenLight::Sky(*side, picture, sky / count as f64))
     }
 
     /// The emitter that a primitive is, with its index.

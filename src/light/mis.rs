@@ -16,8 +16,8 @@ pub enum Heuristic {
 }
 
 impl Heuristic {
-    /// Share of a sample drawn with density `own` where the other way has density `other`, in [0, 1]; shares of both ways
-    /// add up to 1.
+    /// Share of a sample drawn with density `own` where the other way has density `other`, in [0, 1]; shares of both
+    /// ways add up to 1.
     #[inline]
     pub fn share(self, own: f64, other: f64) -> f64 {
         // Whichever is larger divides: no overflow, and 0/0 is no share.

@@ -3,8 +3,8 @@
 //! A light sample is a direction, chosen where light may come from, with its density in solid angle. [`Lights`] chooses
 //! the light, an [`Aim`] finds the rays to it, and a [`LightSampler`] makes a sample of both.
 //!
-//! A ray found by BSDF sampling that ends on an emitter asks for the density with which it could have been sampled: both
-//! ways of finding light are then weighted by [`Heuristic`].
+//! A ray found by BSDF sampling that ends on an emitter asks for the density with which it could have been sampled:
+//! both ways of finding light are then weighted by [`Heuristic`].
 //!
 #![doc = include_str!("sampling.md")]
 
@@ -21,11 +21,11 @@ mod sky;
 mod tree;
 
 pub use aim::lensed::Lensed;
-pub use aim::straight::Straight;
+pub use aim::straight::StraightAim;
 pub use aim::{Aim, Approach, Link};
 pub use emitter::{Cap, Emitter, Form, Spot, Standpoint, View};
 pub use guide::{Guide, Neighbourhood, Photon};
-pub use lights::{Lights, Throat};
+pub use lights::{Lights, Transmission};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
 pub use receiver::Receiver;

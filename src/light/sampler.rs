@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use super::aim::{Aim, Link};
 use super::emitter::{Emitter, Standpoint, View};
-use super::lights::{Choice, Lights};
+use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightSample, Target};
@@ -20,13 +20,14 @@ use super::sky::Sky;
 use crate::geometry::PrimitiveId;
 use crate::spacetime::{AtInfinity, Side};
 
-/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be generic
-/// over aims.
+/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
+/// generic over aims.
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
 
-    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an emitter.
+    /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an
+    /// emitter.
     fn surface_density(
         &self,
         lights: &Lights,
@@ -48,12 +49,14 @@ impl<A: Aim> LightSampler for A {
         let choice = lights.choose(receiver, u0)?;
         let x = self.place(receiver.on.side(), receiver.position);
         match choice {
-            Choice::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
-            Choice::Point(side, light, index, pmf) => sample_point(self, &x, (side, light, index, pmf), u[0]),
-            Choice::Distant(side, light, inverse_pmf) => {
+            ChosenLight::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
+            ChosenLight::Point(side, light, index, pmf) => {
+                sample_point(self, &x, (side, light, index, pmf), u[0])
+            }
+            ChosenLight::Distant(side, light, inverse_pmf) => {
                 sample_distant(self, &x, (side, light, inverse_pmf), u[0])
             }
-            Choice::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), u),
+            ChosenLight::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), u),
         }
     }
 

@@ -78,8 +78,8 @@ fn halves<const N: usize>(mut c: [f64; N]) -> ([f64; N], [f64; N]) {
     (left, right)
 }
 
-/// Values of polynomials of degree 2 or more at `s`, their first and their second derivatives, by de Casteljau's algorithm,
-/// in the form that is exact at both ends.
+/// Values of polynomials of degree 2 or more at `s`, their first and their second derivatives, by de Casteljau's
+/// algorithm, in the form that is exact at both ends.
 #[inline(always)]
 fn values<const N: usize, const L: usize>(c: &[[f64; L]; N], s: &[f64; L]) -> [[f64; L]; 3] {
     let mut c = *c;
@@ -106,8 +106,8 @@ fn values<const N: usize, const L: usize>(c: &[[f64; L]; N], s: &[f64; L]) -> [[
 /// Interval in which a root is known well enough.
 const NARROW: f64 = 4e-15;
 
-/// The roots of polynomials with exactly one sign variation each, side by side: Halley's method within a bracket, which is
-/// halved where it leads out and which the last step closes from the other side. Lanes do not depend on each other.
+/// The roots of polynomials with exactly one sign variation each, side by side: Halley's method within a bracket, which
+/// is halved where it leads out and which the last step closes from the other side. Lanes do not depend on each other.
 #[inline(always)]
 pub fn bracketed_roots<const N: usize, const L: usize>(c: &[[f64; L]; N]) -> [f64; L] {
     let (mut a, mut b, mut s) = ([0.0; L], [1.0; L], [0.0; L]);

@@ -5,8 +5,8 @@
 
 /// From one power of two to the next.
 pub const OCTAVE: i32 = 1 << (f32::MANTISSA_DIGITS - 1);
-/// The bits of 1.
-const ONE: i32 = f32::to_bits(1.0) as i32;
+/// The bits of 1: the bias of the exponent.
+const ONE: i32 = (f32::MAX_EXP - 1) * OCTAVE;
 /// Half of how far chords of 2^y rise above it, relative to it.
 const ABOVE: f32 = 0.03;
 

@@ -6,9 +6,9 @@ const LINE: usize = 64;
 
 /// Starts to bring `value` into the cache; nothing where the instruction set has no word for it.
 ///
-/// The only unsafe code of the program. A search of a mesh waits for memory, and interleaved traversals let each ask for
-/// what it needs next: without this, whole renders of 327 680 triangles take a tenth to a sixth longer (`render
-/// tests/data/flat/cornell_bumpy_c.glb --light-sampling off --max-depth 8`, with a hole and without).
+/// The only unsafe code of the program. A search of a mesh waits for memory, and interleaved traversals let each ask
+/// for what it needs next: without this, whole renders of 327 680 triangles take a tenth to a sixth longer
+/// (`render tests/data/flat/cornell_bumpy_c.glb --light-sampling off --max-depth 8`, with a hole and without).
 #[inline(always)]
 #[allow(unsafe_code)]
 pub fn prefetch<T>(value: &T) {
@@ -17,8 +17,8 @@ pub fn prefetch<T>(value: &T) {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         let first = std::ptr::from_ref(value).cast::<i8>();
         for line in 0..size_of::<T>().div_ceil(LINE) {
-            // SAFETY: a prefetch reads nothing that the program sees and cannot fault, whatever the address; these are those
-            // of a live value besides.
+            // SAFETY: a prefetch reads nothing that the program sees and cannot fault, whatever the address; these are
+            // those of a live value besides.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(line * LINE)) };
         }
     }

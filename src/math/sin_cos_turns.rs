@@ -31,16 +31,21 @@ const COS: [f64; 9] = [
 #[inline(always)]
 pub fn sin_cos(turns: f64) -> (f64, f64) {
     let quarter = (4.0 * turns + 0.5) as i32;
-    let x = (turns - 0.25 * f64::from(quarter)) * TAU;
-    let x2 = x * x;
-    let sum = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * x2 + c);
-    let (sin, cos) = (x * sum(&SIN), sum(&COS));
+    let (sin, cos) = small((turns - 0.25 * f64::from(quarter)) * TAU);
     match quarter & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
         2 => (-sin, -cos),
         _ => (-cos, sin),
     }
+}
+
+/// Sine and cosine of an angle of at most 0.85 either way, radians: straight-line code.
+#[inline(always)]
+pub fn small(x: f64) -> (f64, f64) {
+    let x2 = x * x;
+    let sum = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * x2 + c);
+    (x * sum(&SIN), sum(&COS))
 }
 
 #[cfg(test)]
@@ -55,6 +60,15 @@ mod tests {
             // The product rounds by up to 5e-16.
             let (s, c) = (TAU * turns).sin_cos();
             assert!((sin - s).abs() < 1e-15 && (cos - c).abs() < 1e-15, "{turns}: {sin} {cos}");
+        }
+    }
+
+    #[test]
+    fn small_angles_are_good_to_rounding() {
+        for i in -850..=850 {
+            let x = 1e-3 * f64::from(i);
+            let (sin, cos) = small(x);
+            assert!((sin - x.sin()).abs() < 3e-16 && (cos - x.cos()).abs() < 3e-16, "{x}: {sin} {cos}");
         }
     }
 }

@@ -9,7 +9,7 @@ pub enum Scale {
     Log,
 }
 
-/// One axis of a chart.
+/// One axis of a diagram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Quantity along it, and its unit.

@@ -1,14 +1,14 @@
-//! Charts side by side over their legend.
+//! Diagrams side by side over their legend.
 
-use super::chart::{Chart, LABEL, Series};
+use super::diagram::{Diagram, LABEL, Series};
 use super::style::Style;
 use super::svg::{Align, Drawing, text_width};
 
-/// Charts in a row with one legend: that of the first.
+/// Diagrams in a row with one legend: that of the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// From left to right.
-    pub charts: Vec<Chart>,
+    pub diagrams: Vec<Diagram>,
 }
 
 /// Length of a line in the legend, points.
@@ -27,13 +27,13 @@ impl Figure {
     pub(super) fn svg(&self) -> String {
         let mut drawing = Drawing::new();
         let (mut width, mut height) = (0.0, 0.0f64);
-        for chart in &self.charts {
-            chart.draw(&mut drawing, [width, 0.0]);
-            let [w, h] = chart.outer_size();
+        for diagram in &self.diagrams {
+            diagram.draw(&mut drawing, [width, 0.0]);
+            let [w, h] = diagram.outer_size();
             (width, height) = (width + w, height.max(h));
         }
         let room = width - 2.0 * EDGE;
-        let rows = rows(self.charts.first().map_or(&[], |chart| &chart.series), room);
+        let rows = rows(self.diagrams.first().map_or(&[], |diagram| &diagram.series), room);
         for (index, row) in rows.iter().enumerate() {
             let y = height + (index as f64 + 0.5) * ROW;
             let mut x = EDGE + 0.5 * (room - row_width(row)).max(0.0);

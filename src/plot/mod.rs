@@ -1,10 +1,11 @@
-//! Charts for papers: drawn as SVG, and as PNG by rasterising that.
+//! Diagrams for papers: drawn as SVG, and as PNG by rasterising that.
 //!
-//! [`Figure`] holds [`Chart`]s side by side above one legend; a chart holds [`Series`] of curves between two [`Axis`].
-//! Colours are those of Okabe and Ito, which the colour-blind can tell apart too, and markers repeat what they say.
+//! [`Figure`] holds [`Diagram`]s side by side above one legend; a diagram holds [`Series`] of curves between two
+//! [`Axis`]. Colours are those of Okabe and Ito, which the colour-blind can tell apart too, and markers repeat what
+//! they say.
 
 mod axis;
-mod chart;
+mod diagram;
 mod figure;
 mod png;
 mod style;
@@ -14,7 +15,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub use axis::Axis;
-pub use chart::{Chart, Series};
+pub use diagram::{Diagram, Series};
 pub use figure::Figure;
 pub use style::{Color, Style};
 
@@ -42,7 +43,7 @@ impl Figure {
     /// Writes the figure.
     ///
     /// # Errors
-    /// What `out` reports, and [`io::ErrorKind::InvalidData`] if the figure cannot be rasterised.
+    /// Errors of `out`, and [`io::ErrorKind::InvalidData`] if the figure cannot be rasterised.
     pub fn write(&self, format: Format, mut out: impl Write) -> io::Result<()> {
         let svg = self.svg();
         match format {

@@ -8,7 +8,7 @@ use resvg::usvg::{Options, Tree};
 
 use crate::film::write_rgb8;
 
-/// The characters of charts, so that pictures are the same on machines with other fonts, or none.
+/// The characters of diagrams, so that pictures are the same on machines with other fonts, or none.
 static FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans-subset.ttf");
 /// Pixels per point.
 const SCALE: f32 = 2.0;

@@ -10,7 +10,7 @@ use crate::spacetime::{Side, SpacetimeKind};
 
 /// A scene, baked.
 pub struct Baked {
-    /// Which spacetime the rays cross.
+    /// Spacetime that the rays cross.
     pub spacetime: SpacetimeKind,
     /// The camera.
     pub camera: Camera,

@@ -30,12 +30,12 @@ pub enum SceneError {
         help: &'static str,
     },
     /// A place in the scene file is wrong.
-    #[error("{}:{place}\n   = help: {}", name(path), text::lines(help))]
+    #[error("{}:{diagnostic}\n   = help: {}", name(path), text::lines(help))]
     Located {
         /// The scene file.
         path: PathBuf,
         /// Line, column and problem.
-        place: Box<Place>,
+        diagnostic: Box<Diagnostic>,
         /// Remedy.
         help: String,
     },
@@ -71,7 +71,7 @@ fn name(path: &Path) -> String {
 
 /// A problem at a place of a text file; displays as the position, the problem, and the source line with a caret.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Diagnostic {
     /// Problem, in words.
     pub problem: String,
     /// Line, from 1.
@@ -84,7 +84,7 @@ pub struct Place {
     pub width: usize,
 }
 
-impl Place {
+impl Diagnostic {
     fn new(text: &str, span: Range<usize>, problem: String) -> Self {
         let start = floor_boundary(text, span.start);
         let before = text.get(..start).unwrap_or_default();
@@ -113,7 +113,7 @@ fn floor_boundary(text: &str, index: usize) -> usize {
 const BEFORE_CARET: usize = 80;
 const AFTER_CARET: usize = 120;
 
-impl Place {
+impl Diagnostic {
     /// The line around the caret, and the caret's column in it and width, in characters as they are shown.
     fn window(&self) -> (String, usize, usize) {
         let start = self.column - 1;
@@ -139,7 +139,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let gutter = self.line.to_string().len();
         let (window, column, width) = self.window();
@@ -214,10 +214,11 @@ impl SourceText<'_> {
         let Some(span) = span else {
             return SceneError::Whole { path, problem, help };
         };
-        let place = Box::new(Place::new(self.text, span, problem));
-        let written = self.on_disk.is_some_and(|text| text.lines().any(|line| line == place.source_line));
+        let diagnostic = Box::new(Diagnostic::new(self.text, span, problem));
+        let written =
+            self.on_disk.is_some_and(|text| text.lines().any(|line| line == diagnostic.source_line));
         let help = if written { help } else { format!("{help}\n   = note: --set put this line there") };
-        SceneError::Located { path, place, help }
+        SceneError::Located { path, diagnostic, help }
     }
 }
 
@@ -236,14 +237,14 @@ mod tests {
 
     #[test]
     fn a_place_shows_its_line_with_a_caret() {
-        let place = Place::new("a = 1\nβ = -2\n", 11..13, "must be positive".into());
-        assert_eq!(place.to_string(), "2:5: must be positive\n  |\n2 | β = -2\n  |     ^^");
+        let diagnostic = Diagnostic::new("a = 1\nβ = -2\n", 11..13, "must be positive".into());
+        assert_eq!(diagnostic.to_string(), "2:5: must be positive\n  |\n2 | β = -2\n  |     ^^");
     }
 
     #[test]
     fn a_place_in_a_long_line_shows_what_is_around_the_caret() {
         let text = format!("{}\tkey\u{1b}{}\n", "a".repeat(1_000_000), "b".repeat(1_000_000));
-        let shown = Place::new(&text, 1_000_001..1_000_005, "odd\nname".into()).to_string();
+        let shown = Diagnostic::new(&text, 1_000_001..1_000_005, "odd\nname".into()).to_string();
         let lines: Vec<&str> = shown.lines().collect();
         assert_eq!(lines[0], "1:1000002: odd\\nname");
         assert!(lines[2].starts_with("1 | …aaa") && lines[2].ends_with("bbb…"), "{shown}");
@@ -256,9 +257,9 @@ mod tests {
 
     #[test]
     fn a_place_beyond_the_text_does_not_panic() {
-        let place = Place::new("é", 1..99, "odd".into());
-        assert_eq!((place.line, place.column, place.width), (1, 1, 1));
-        Place::new("", 3..7, "empty".into());
+        let diagnostic = Diagnostic::new("é", 1..99, "odd".into());
+        assert_eq!((diagnostic.line, diagnostic.column, diagnostic.width), (1, 1, 1));
+        Diagnostic::new("", 3..7, "empty".into());
     }
 
     #[test]

@@ -48,7 +48,7 @@ pub struct SceneFile {
 /// `[spacetime]`: its keys besides `kind` and those of the place are the parameters of [`SPACETIMES`].
 #[derive(Debug)]
 pub struct SpacetimeTable {
-    /// Which one; parameters that it does not have are without effect.
+    /// Kind; parameters that it does not have are without effect.
     pub kind: &'static Entry,
     /// Position of the centre; the origin if absent.
     pub center: Option<Vector>,
@@ -257,7 +257,7 @@ pub struct MaterialTable {
     pub ior: Option<Number>,
     /// Radiance.
     pub emission: Option<Spanned<Triple>>,
-    /// Which sides emit; both if absent.
+    /// Sides that emit; both if absent.
     pub emits: Option<EmittingSides>,
 }
 

@@ -1,14 +1,29 @@
 //! `--set path.to.key=value`: edits of the scene file's text before it is deserialised.
 
+use std::path::Path;
+
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-use super::error::{Fault, SceneError, suggestion};
+use super::error::{Fault, SceneError, SourceText, suggestion};
 
 /// Complaint about an override: problem and remedy.
 type Complaint = (String, String);
 
+/// Text of the scene with the overrides applied; the rest keeps its lines.
+pub(super) fn edited(path: &Path, text: String, overrides: &[String]) -> Result<String, SceneError> {
+    if overrides.is_empty() {
+        return Ok(text);
+    }
+    let source = SourceText { path, text: &text, on_disk: Some(&text) };
+    let mut document = document(&text).map_err(|fault| source.locate(fault))?;
+    for text in overrides {
+        apply(&mut document, text)?;
+    }
+    Ok(document.to_string())
+}
+
 /// Parses the text as a document that can be edited.
-pub(super) fn document(text: &str) -> Result<DocumentMut, Fault> {
+fn document(text: &str) -> Result<DocumentMut, Fault> {
     text.parse::<DocumentMut>().map_err(|error| {
         Fault::maybe_at(error.span(), error.message(), "correct the TOML syntax at the caret")
     })
@@ -17,7 +32,7 @@ pub(super) fn document(text: &str) -> Result<DocumentMut, Fault> {
 /// Applies one override to the document.
 ///
 /// Array entries are named by index or by their `name`; tables that the file does not have are made.
-pub(super) fn apply(document: &mut DocumentMut, text: &str) -> Result<(), SceneError> {
+fn apply(document: &mut DocumentMut, text: &str) -> Result<(), SceneError> {
     let complain = |(problem, help)| SceneError::Override { text: text.to_owned(), problem, help };
     let assignment = || {
         let (path, value) = text.split_once('=')?;

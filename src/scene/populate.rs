@@ -18,7 +18,7 @@ use super::file::{
 use super::foreign;
 use super::light::light;
 use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
-use super::world::{Look, ModelFormat, World};
+use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
@@ -34,7 +34,7 @@ const DEFAULT_IOR: f64 = 1.5;
 const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
 
 /// Source of the files that a scene file names.
-pub(super) struct Source<'a> {
+pub(super) struct AssetSource<'a> {
     /// The folder that paths are relative to.
     pub folder: &'a Path,
     /// The model that the scene file was made up for.
@@ -45,7 +45,7 @@ pub(super) struct Source<'a> {
     pub light_scale: Option<f64>,
 }
 
-impl Source<'_> {
+impl AssetSource<'_> {
     /// The file that a scene file names.
     fn path(&self, name: &str) -> PathBuf {
         match self.bare.filter(|path| bare_name(path) == name) {
@@ -56,7 +56,7 @@ impl Source<'_> {
 }
 
 /// Builds the world of a scene file; its files are read from `source`.
-pub(super) fn populate(file: SceneFile, source: &Source) -> Result<World, Fault> {
+pub(super) fn populate(file: SceneFile, source: &AssetSource) -> Result<World, Fault> {
     let mut warnings = Vec::new();
     let spacetime =
         file.spacetime.as_ref().map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
@@ -145,7 +145,7 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
 
 fn environment(
     table: &Spanned<EnvironmentTable>,
-    source: &Source,
+    source: &AssetSource,
     warnings: &mut Vec<String>,
 ) -> Result<Environment, Fault> {
     let (span, table) = (table.span(), table.get_ref());
@@ -356,13 +356,13 @@ fn spawn(
     world: &mut World,
     table: Spanned<EntityTable>,
     materials: &HashMap<String, MaterialHandle>,
-    source: &Source,
+    source: &AssetSource,
 ) -> Result<(), Fault> {
     let span = table.span();
     let table = table.into_inner();
     check_one_shape(&table, span.clone())?;
     check_company(&table)?;
-    let look = look(&table, materials, source.light_scale)?;
+    let overrides = model_overrides(&table, materials, source.light_scale)?;
     let placement =
         table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
     let entity = world.spawn_authored(span, table.name, placement);
@@ -372,16 +372,16 @@ fn spawn(
             check_format(path, format)?;
             let error_at = |error| Fault::Asset { span: path.span(), error };
             let path = source.path(path.get_ref());
-            world.spawn_model(&path, format, entity, look, source.files).map_err(error_at)?;
+            world.spawn_model(&path, format, entity, overrides, source.files).map_err(error_at)?;
         }
     }
     // The entity was spawned above, so inserting cannot fail.
     if let Some(table) = &table.sphere {
-        let shape = (SphereShape(sphere(table)?), own_material(world, look));
+        let shape = (SphereShape(sphere(table)?), own_material(world, overrides));
         let _ = world.entities.insert(entity, shape);
     }
     if let Some(table) = &table.disk {
-        let shape = (DiskShape(disk(table)?), own_material(world, look));
+        let shape = (DiskShape(disk(table)?), own_material(world, overrides));
         let _ = world.entities.insert(entity, shape);
     }
     if let Some(table) = &table.light {
@@ -459,11 +459,11 @@ fn check_company(table: &EntityTable) -> Result<(), Fault> {
     }
 }
 
-fn look(
+fn model_overrides(
     table: &EntityTable,
     materials: &HashMap<String, MaterialHandle>,
     light_scale: Option<f64>,
-) -> Result<Look, Fault> {
+) -> Result<ModelOverrides, Fault> {
     let material = table.material.as_ref().map(|name| {
         materials.get(name.get_ref()).copied().ok_or_else(|| {
             let help = suggestion(name.get_ref(), materials.keys().map(String::as_str))
@@ -474,7 +474,7 @@ fn look(
     let emission = table.emission.as_ref().map(|rgb| check::colour(rgb, "emission"));
     let own_scale = table.light_scale.as_ref().map(|scale| check::non_negative(scale, "light_scale"));
     let light_scale = light_scale.or(own_scale.transpose()?);
-    Ok(Look {
+    Ok(ModelOverrides {
         material: material.transpose()?,
         emission: emission.transpose()?,
         light_scale: light_scale.unwrap_or(DEFAULT_LIGHT_SCALE) as f32,
@@ -483,10 +483,10 @@ fn look(
 }
 
 /// The material of a sphere or disk: the named one or the default, with the entity's own emission.
-fn own_material(world: &mut World, look: Look) -> MaterialHandle {
-    match look {
-        Look { material: Some(handle), emission: None, .. } => handle,
-        Look { material, emission, .. } => {
+fn own_material(world: &mut World, overrides: ModelOverrides) -> MaterialHandle {
+    match overrides {
+        ModelOverrides { material: Some(handle), emission: None, .. } => handle,
+        ModelOverrides { material, emission, .. } => {
             let base = material.map_or_else(Material::default, |handle| world.material(handle));
             world.add_material(Material { emission: emission.unwrap_or(base.emission), ..base })
         }

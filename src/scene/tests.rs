@@ -1,17 +1,20 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
+use super::bare_model::bare_scene;
+use super::populate::AssetSource;
 use super::*;
 use crate::geometry::{Primitives, Sphere};
 use crate::light::Punctual;
 use crate::shade::{Dielectric, Diffuse, Environment, Lobe, Mirror};
+use crate::spacetime::SpacetimeKind;
 
-struct Files {
+struct SceneFolder {
     folder: tempfile::TempDir,
 }
 
-impl Files {
+impl SceneFolder {
     fn new(files: &[(&str, &str)]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in files {
@@ -34,7 +37,12 @@ impl Files {
         };
         let mut world = populate::populate(
             file::parse(&text).unwrap(),
-            &Source { folder: self.folder.path(), bare: None, files: &Default::default(), light_scale: None },
+            &AssetSource {
+                folder: self.folder.path(),
+                bare: None,
+                files: &Default::default(),
+                light_scale: None,
+            },
         )
         .unwrap();
         let ([primitives, _], shaped) = bake::flatten(&mut world).unwrap();
@@ -124,7 +132,7 @@ fn entities_that_share_a_file_may_scale_its_lights_differently() {
     let text = format!(
         "[[entity]]\ngltf = {gltf}\nlight_scale = 1\n[[entity]]\ngltf = {gltf}\n[[entity]]\ngltf = {gltf}\nlight_scale = 0\n"
     );
-    let files = Files::new(&[("a.toml", &text)]);
+    let files = SceneFolder::new(&[("a.toml", &text)]);
     let baked = load(&files.path("a.toml"), &[]).unwrap();
     let red: Vec<f32> = baked.punctual.iter().step_by(2).map(|light| light.peak().x).collect();
     assert!((red[0] - 652.217).abs() < 1e-3 && (red[1] - 652.217 / 683.0).abs() < 1e-6, "{red:?}");
@@ -133,7 +141,7 @@ fn entities_that_share_a_file_may_scale_its_lights_differently() {
 
 #[test]
 fn lights_follow_their_transform_and_keep_their_intensity() {
-    let files = Files::new(&[(
+    let files = SceneFolder::new(&[(
         "a.toml",
         "[[entity]]\nsphere = { center = [0, 0, 0], radius = 1 }\n\
          [[entity]]\nlight = { kind = \"spot\", position = [1, 0, 0], direction = [0, 0, -2], intensity = 3 }\n\
@@ -179,7 +187,8 @@ fn lit_triangle(light: &str) -> String {
 
 #[test]
 fn a_bare_model_with_a_light_gets_no_sky() {
-    let load = |light| load(&Files::new(&[("a.gltf", &lit_triangle(light))]).path("a.gltf"), &[]).unwrap();
+    let load =
+        |light| load(&SceneFolder::new(&[("a.gltf", &lit_triangle(light))]).path("a.gltf"), &[]).unwrap();
     let baked = load(r#"{ "type": "point", "intensity": 683 }"#);
     assert!(baked.environment.is_black());
     assert_eq!((baked.punctual.len(), baked.warnings.len()), (1, 0), "{:?}", baked.warnings);
@@ -189,7 +198,7 @@ fn a_bare_model_with_a_light_gets_no_sky() {
 #[test]
 fn a_light_whose_direction_a_scale_of_0_loses_is_left_out_by_name() {
     for light in [r#"{ "type": "directional" }"#, r#"{ "type": "spot", "spot": {} }"#] {
-        let files = Files::new(&[("a.gltf", &lit_triangle(light))]);
+        let files = SceneFolder::new(&[("a.gltf", &lit_triangle(light))]);
         let baked = load(&files.path("a.gltf"), &[]).unwrap();
         assert!(baked.punctual.is_empty());
         let expected = "lights left out, since scales of 0 leave them no direction: `lamp`";
@@ -199,7 +208,7 @@ fn a_light_whose_direction_a_scale_of_0_loses_is_left_out_by_name() {
 
 #[test]
 fn a_light_that_is_too_bright_is_an_error_that_names_it() {
-    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 1e30 }"#))]);
+    let files = SceneFolder::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 1e30 }"#))]);
     let message = load(&files.path("a.gltf"), &[]).err().unwrap().to_string();
     assert!(message.contains("`lamp`: the light is brighter than 1e18"), "{message}");
 }
@@ -224,7 +233,7 @@ fn model_of(nodes: serde_json::Value) -> String {
 }
 
 fn load_model(nodes: serde_json::Value, options: &LoadOptions) -> Result<Baked, SceneError> {
-    load_with(&Files::new(&[("a.gltf", &model_of(nodes))]).path("a.gltf"), options)
+    load_with(&SceneFolder::new(&[("a.gltf", &model_of(nodes))]).path("a.gltf"), options)
 }
 
 #[test]
@@ -261,7 +270,7 @@ fn cameras_of_scene_files_and_of_their_models_go_by_name_too() {
     let nodes = serde_json::json!([{ "mesh": 0 }, { "camera": 0, "name": "Eye", "translation": [0, 0, 5] }]);
     let camera = "[camera]\nposition = [0, 0, 3]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n";
     let entity = "[[entity]]\nname = \"room\"\ngltf = \"a.gltf\"\n";
-    let files = Files::new(&[("a.gltf", &model_of(nodes)), ("a.toml", &format!("{camera}{entity}"))]);
+    let files = SceneFolder::new(&[("a.gltf", &model_of(nodes)), ("a.toml", &format!("{camera}{entity}"))]);
     for (name, z) in [(None, 3.0), (Some("camera"), 3.0), (Some("room/Eye"), 5.0), (Some("Eye"), 5.0)] {
         let options = LoadOptions { camera: name.map(str::to_owned), ..LoadOptions::default() };
         let baked = load_with(&files.path("a.toml"), &options).unwrap();
@@ -314,7 +323,7 @@ fn what_is_around_a_model_is_said_and_can_be_chosen() {
     assert_eq!(grey.environment.radiance(DVec3::X), Vec3::splat(0.5));
     assert!(!grey.notes.iter().any(|note| note.contains("--environment")), "{:?}", grey.notes);
     assert!(around(Some(Surroundings::Color(Vec3::ZERO))).environment.is_black());
-    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point" }"#))]);
+    let files = SceneFolder::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point" }"#))]);
     let lit = load(&files.path("a.gltf"), &[]).unwrap();
     assert!(lit.notes.iter().any(|note| note.contains("carries no world")), "{:?}", lit.notes);
     image::GrayImage::from_pixel(4, 2, image::Luma([255u8])).save(files.path("white.png")).unwrap();
@@ -328,7 +337,7 @@ fn what_is_around_a_model_is_said_and_can_be_chosen() {
 
 #[test]
 fn the_factor_on_lights_is_said_and_can_be_chosen() {
-    let files = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 683 }"#))]);
+    let files = SceneFolder::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 683 }"#))]);
     let with = |light_scale| {
         let options = LoadOptions { light_scale, ..LoadOptions::default() };
         load_with(&files.path("a.gltf"), &options).unwrap()
@@ -342,7 +351,7 @@ fn the_factor_on_lights_is_said_and_can_be_chosen() {
     assert!(says(&default) && !says(&own));
     assert!(default.warnings.is_empty(), "{:?}", default.warnings);
     // Blender's 10 W, exported without its unit.
-    let dim = Files::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 0.8 }"#))]);
+    let dim = SceneFolder::new(&[("a.gltf", &lit_triangle(r#"{ "type": "point", "intensity": 0.8 }"#))]);
     let warnings = load(&dim.path("a.gltf"), &[]).unwrap().warnings;
     assert!(warnings[0].contains("Unitless") && warnings[0].contains("--light-scale 1"), "{warnings:?}");
 }
@@ -385,7 +394,7 @@ fn of_several_holes_the_first_counts_and_entities_move_them() {
         { "name": "BlackHole.001" },
     ]);
     let text = "[[entity]]\nname = \"room\"\ngltf = \"a.gltf\"\ntransform = { scale = 0.5, translate = [0, 1, 0] }\n";
-    let files = Files::new(&[
+    let files = SceneFolder::new(&[
         ("a.gltf", &model_of(nodes)),
         ("a.toml", &format!("[environment]\nstrength = 1\n{text}")),
     ]);
@@ -406,7 +415,7 @@ fn nodes_of_scale_0_are_flat_or_left_out_by_name() {
         { "mesh": 0, "name": "tilted", "scale": [1, 1, 0], "rotation": [0.6, 0, 0, 0.8] },
         { "camera": 0, "name": "blind", "scale": [1, 1, 0] },
     ]);
-    let files = Files::new(&[("a.gltf", &model_of(nodes))]);
+    let files = SceneFolder::new(&[("a.gltf", &model_of(nodes))]);
     let (primitives, names) = files.primitives("a.gltf");
     assert_eq!(names, ["whole", "card", "tilted"]);
     let card = primitives.instances[1].0;
@@ -428,7 +437,7 @@ fn nodes_of_scale_0_are_flat_or_left_out_by_name() {
 
 #[test]
 fn instances_share_their_mesh() {
-    let files = Files::new(&[
+    let files = SceneFolder::new(&[
         ("leaf.obj", TRIANGLE),
         (
             "a.toml",
@@ -445,7 +454,7 @@ fn instances_share_their_mesh() {
 
 #[test]
 fn scale_comes_before_rotation_before_translation() {
-    let files = Files::new(&[
+    let files = SceneFolder::new(&[
         ("leaf.obj", TRIANGLE),
         (
             "a.toml",
@@ -481,7 +490,7 @@ fn nested_mirrored_and_stretched_nodes_compose() {
         "buffers": [{ "byteLength": 36, "uri":
             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }],
     });
-    let files = Files::new(&[("a.gltf", &document.to_string())]);
+    let files = SceneFolder::new(&[("a.gltf", &document.to_string())]);
     let (primitives, names) = files.primitives("a.gltf");
     assert_eq!(names, ["leaf"]);
     assert_eq!(primitives.meshes[0].positions[1], [1.0, 0.0, 0.0]);
@@ -495,7 +504,7 @@ fn nested_mirrored_and_stretched_nodes_compose() {
 
 #[test]
 fn spheres_follow_a_uniform_scale() {
-    let files = Files::new(&[(
+    let files = SceneFolder::new(&[(
         "a.toml",
         "[[entity]]\nsphere = { center = [1, 0, 0], radius = 2 }\ntransform = { rotate = [0, 90, 0], scale = 3, translate = [0, 1, 0] }\n",
     )]);
@@ -508,7 +517,7 @@ fn spheres_follow_a_uniform_scale() {
 
 #[test]
 fn a_bare_model_gets_a_camera_and_a_sky_and_may_get_a_hole() {
-    let files = Files::new(&[("a b.OBJ", TRIANGLE)]);
+    let files = SceneFolder::new(&[("a b.OBJ", TRIANGLE)]);
     let baked = load_with(
         &files.path("a b.OBJ"),
         &LoadOptions {
@@ -526,7 +535,7 @@ fn a_bare_model_gets_a_camera_and_a_sky_and_may_get_a_hole() {
 
 #[test]
 fn entity_emission_and_material_override_those_of_the_mesh() {
-    let files = Files::new(&[
+    let files = SceneFolder::new(&[
         ("leaf.obj", TRIANGLE),
         (
             "a.toml",
@@ -543,7 +552,7 @@ fn entity_emission_and_material_override_those_of_the_mesh() {
 
 #[test]
 fn an_environment_picture_turns_about_y() {
-    let files = Files::new(&[(
+    let files = SceneFolder::new(&[(
         "a.toml",
         "[environment]\nimage = \"sky.png\"\nrotation = 90\n[camera]\nposition = [0, 0, 0]\ndirection = [0, 0, -1]\nvertical_fov = 40\n",
     )]);

@@ -13,7 +13,7 @@ use super::components::{
     Name, OnFarSide, Parent,
 };
 use super::error::Fault;
-use crate::asset::{AssetError, Files, Model, Node, load_gltf, load_obj};
+use crate::asset::{AssetError, Files, Model, ModelNode, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material};
 use crate::spacetime::{Side, SpacetimeKind};
@@ -51,7 +51,7 @@ pub(super) struct World {
 
 /// Nodes of a model whose meshes and materials are in the world's tables.
 struct LoadedModel {
-    nodes: Vec<Node>,
+    nodes: Vec<ModelNode>,
     first_mesh: u32,
     first_material: u32,
 }
@@ -67,7 +67,7 @@ pub(super) enum ModelFormat {
 
 /// Settings of a scene file that override a model.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct ModelOverrides {
     /// Replaces every material.
     pub material: Option<MaterialHandle>,
     /// Replaces the emission.
@@ -126,7 +126,7 @@ impl World {
         path: &Path,
         format: ModelFormat,
         parent: Entity,
-        look: Look,
+        overrides: ModelOverrides,
         files: &Files,
     ) -> Result<(), AssetError> {
         let loaded = match self.models.remove(path) {
@@ -140,13 +140,13 @@ impl World {
             let above = node.parent.and_then(|index| spawned.get(index).copied()).unwrap_or(parent);
             let parts = node.parts.iter().map(|part| {
                 let own = MaterialHandle(loaded.first_material + part.material as u32);
-                let material = *changed.entry(own).or_insert_with(|| self.restyled(own, look));
+                let material = *changed.entry(own).or_insert_with(|| self.restyled(own, overrides));
                 (MeshHandle(loaded.first_mesh + part.mesh as u32), material)
             });
             let shape = MeshShape(parts.collect());
             let name = if prefix.is_empty() { node.name.clone() } else { format!("{prefix}/{}", node.name) };
-            let light = node.light.map(|light| LightShape(light.scaled(look.light_scale)));
-            self.guesses_light_scale |= light.is_some() && look.guesses_light_scale;
+            let light = node.light.map(|light| LightShape(light.scaled(overrides.light_scale)));
+            self.guesses_light_scale |= light.is_some() && overrides.guesses_light_scale;
             spawned.push(self.spawn_node(node, name, above, shape, light));
         }
         self.models.insert(path.to_owned(), loaded);
@@ -155,7 +155,7 @@ impl World {
 
     fn spawn_node(
         &mut self,
-        node: &Node,
+        node: &ModelNode,
         name: String,
         parent: Entity,
         shape: MeshShape,
@@ -167,8 +167,8 @@ impl World {
         if !shape.0.is_empty() {
             let _ = self.entities.insert_one(entity, shape);
         }
-        if let Some(lens) = node.lens {
-            let lens = CameraLens { vertical_fov: lens.vertical_fov, near: 0.0, aspect: lens.aspect };
+        if let Some(camera) = node.camera {
+            let lens = CameraLens { vertical_fov: camera.vertical_fov, near: 0.0, aspect: camera.aspect };
             let _ = self.entities.insert_one(entity, lens);
         }
         if let Some(light) = light {
@@ -204,9 +204,9 @@ impl World {
         std::iter::successors(above(&entity), move |entity| above(entity))
     }
 
-    fn restyled(&mut self, own: MaterialHandle, look: Look) -> MaterialHandle {
-        let base = look.material.unwrap_or(own);
-        match look.emission {
+    fn restyled(&mut self, own: MaterialHandle, overrides: ModelOverrides) -> MaterialHandle {
+        let base = overrides.material.unwrap_or(own);
+        match overrides.emission {
             None => base,
             Some(emission) => self.add_material(Material { emission, ..self.material(base) }),
         }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::media::{Crossing, Media};
+use super::media::{InterfaceCrossing, Media};
 
 /// Incidence of light on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub struct Incidence {
     /// Dielectrics around the path.
     pub media: Media,
     /// Through what light goes that is refracted.
-    pub crossing: Crossing,
+    pub crossing: InterfaceCrossing,
 }
 
 /// A sampled continuation of a path.

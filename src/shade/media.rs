@@ -45,21 +45,21 @@ impl Media {
 
 /// Media from and into which light goes through faces of dielectrics that lie upon each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crossing {
+pub struct InterfaceCrossing {
     /// The innermost dielectric before, if any; none where light goes through nothing.
     pub from: Option<u32>,
     /// All dielectrics after.
     pub into: Media,
 }
 
-impl Crossing {
+impl InterfaceCrossing {
     /// Light in `media` that goes through nothing.
     pub fn none(media: Media) -> Self {
         Self { from: None, into: media }
     }
 
-    /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may leave at
-    /// once: a sheet without thickness.
+    /// Light in `media` that goes through `faces`: their materials, and whether it enters them. What it enters it may
+    /// leave at once: a sheet without thickness.
     pub fn of(media: Media, faces: impl Iterator<Item = (u32, bool)> + Clone) -> Self {
         let entered = faces.clone().filter(|(_, enters)| *enters);
         let into = entered.fold(media, |into, (material, _)| into.entering(material));
@@ -79,18 +79,18 @@ mod tests {
 
     #[test]
     fn faces_that_are_crossed_together_leave_no_medium_behind() {
-        let crossing = |media, faces: &[(u32, bool)]| Crossing::of(media, faces.iter().copied());
+        let crossing = |media, faces: &[(u32, bool)]| InterfaceCrossing::of(media, faces.iter().copied());
         let glass = Media::VACUUM.entering(3);
         // From one block of glass into the next; through two that coincide, and out; through a sheet without thickness.
         assert_eq!(
             crossing(glass, &[(3, false), (7, true)]),
-            Crossing { from: Some(3), into: Media::VACUUM.entering(7) }
+            InterfaceCrossing { from: Some(3), into: Media::VACUUM.entering(7) }
         );
         let both = crossing(Media::VACUUM, &[(3, true), (7, true)]);
-        assert_eq!(both, Crossing { from: None, into: glass.entering(7) });
+        assert_eq!(both, InterfaceCrossing { from: None, into: glass.entering(7) });
         assert_eq!(crossing(both.into, &[(3, false), (7, false)]).into, Media::VACUUM);
         for sheet in [[(3, true), (3, false)], [(3, false), (3, true)]] {
-            assert_eq!(crossing(Media::VACUUM, &sheet), Crossing::none(Media::VACUUM));
+            assert_eq!(crossing(Media::VACUUM, &sheet), InterfaceCrossing::none(Media::VACUUM));
         }
         // From a camera in glass.
         assert_eq!(crossing(Media::VACUUM, &[(3, false)]).from, Some(3));

@@ -9,10 +9,11 @@ mod sampler;
 mod scatter;
 mod sobol;
 
-pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel, sample_cosine};
+pub(crate) use bsdf::sample_cosine;
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence};
 pub use material::Material;
-pub use media::{Crossing, Media};
+pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, Sampler};
 pub use scatter::{evaluate, scatter};

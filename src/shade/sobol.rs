@@ -10,8 +10,8 @@ pub const SEQUENCE: u32 = 1 << 16;
 /// Sets of four dimensions of one sequence, the library's limit.
 pub const SETS: u32 = 64;
 
-/// Points by four bits of the reversed index at a time: set, which four bits, their value, dimension. A point is the sum
-/// without carry of those of its bits.
+/// Points by four bits of the reversed index at a time: set, which four bits, their value, dimension. A point is the
+/// sum without carry of those of its bits.
 type Points = [[[[u32; 4]; 16]; 4]; SETS as usize];
 
 static POINTS: LazyLock<Box<Points>> = LazyLock::new(|| {

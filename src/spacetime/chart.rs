@@ -40,8 +40,8 @@ pub struct Chart {
 const HORIZON_MARGIN: f64 = 1e-6;
 
 impl Chart {
-    /// A chart for geometry whose points have isotropic radii up to `farthest`, and at least `nearest`, as what else rays are
-    /// to be followed to.
+    /// A chart for geometry whose points have isotropic radii up to `farthest`, and at least `nearest`, as what else
+    /// rays are to be followed to.
     pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64) -> Self {
         let innermost = Self::innermost(medium);
         Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }

@@ -21,8 +21,8 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// ½ d(n²)/dw at the inverse radius `w`: the pull towards the centre, times ρ².
     fn pull<R: Real>(&self, w: R) -> R;
 
-    /// The lapse N at the inverse radius `w`: how fast a clock at rest runs beside coordinate time. 1 in a medium that only
-    /// bends light.
+    /// The lapse N at the inverse radius `w`: how fast a clock at rest runs beside coordinate time. 1 in a medium that
+    /// only bends light.
     fn lapse(&self, _w: f64) -> f64 {
         1.0
     }

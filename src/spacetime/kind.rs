@@ -374,7 +374,8 @@ impl SpacetimeKind {
         self.entry().with(self.placement(), &values)
     }
 
-    /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed once.
+    /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed
+    /// once.
     pub fn in_units(self) -> Option<(Metric, f64)> {
         let is_length = |parameter: &Parameter| parameter.range == Range::Length;
         let (_, unit) = self.parameters().find(|(parameter, _)| is_length(parameter))?;

@@ -22,8 +22,8 @@
 //! assert_eq!(Weak { k: 2.0 }.index_squared(0.5), 1.5);
 //! ```
 //!
-//! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene files,
-//! `--spacetime`, `info`, meshes, light sampling and all studies follow.
+//! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene
+//! files, `--spacetime`, `info`, meshes, light sampling and all studies follow.
 
 mod chart;
 mod conformally_flat;

@@ -2,7 +2,8 @@
 //!
 //! ds² = −((1−u)/(1+u))² dt² + (1+u)⁴ dx², u = r_s/4ρ \[J, eq. 2\]; index n = (1+u)³/(1−u).
 //!
-//! References: \[J\] Jackson, Normann, Hatledal 2025, "The Warped Universe". \[D\] Darwin 1959, Proc. R. Soc. A 249, 180.
+//! References: \[J\] Jackson, Normann, Hatledal 2025, "The Warped Universe". \[D\] Darwin 1959, Proc. R. Soc. A 249,
+//! 180.
 
 use glam::DVec3;
 
@@ -90,8 +91,8 @@ impl ConformallyFlat for Schwarzschild {
         1.5 * 3.0_f64.sqrt() * self.schwarzschild_radius()
     }
 
-    /// \[J, eqs. 7, 8\], which hold on null rays: the paper's renormalisation to |p| = 1 makes them timelike and is left
-    /// out.
+    /// \[J, eqs. 7, 8\], which hold on null rays: the paper's renormalisation to |p| = 1 makes them timelike and is
+    /// left out.
     fn motion(&self, x: DVec3, p: DVec3) -> (DVec3, DVec3) {
         let (r, r_s) = (x.length(), self.schwarzschild_radius());
         let u = r_s / (4.0 * r);

@@ -8,17 +8,17 @@ use super::errors::{Spread, angle, median};
 use super::render::render;
 use super::report::Report;
 use super::rounds::Study;
-use super::table::{Row, percent, scientific};
+use super::table::{TableRow, percent, scientific};
 use super::trade_off::{self, TradeOff, over_front};
 use super::way::Way;
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::plot::Figure;
 use crate::scene::{Baked, Filter, Precision, Settings};
-use crate::trace::{Fate, Ray, Run, Shot, Stats, shoot, transport::Outcome};
+use crate::trace::{Ray, RayEnd, Run, Shot, Stats, shoot, transport::Outcome};
 
 /// Errors of the ends of rays, over those that end in the right way; `None` if none do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Errors {
+struct CameraRayErrors {
     /// Rays compared.
     rays: usize,
     /// Share of the rays that have another fate or meet another entity than they should.
@@ -37,9 +37,9 @@ type Cost = [f64; 4];
 
 /// A setting, measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Measurement {
+struct CameraRayMeasurement {
     way: Way,
-    errors: Errors,
+    errors: CameraRayErrors,
     cost: Cost,
 }
 
@@ -50,7 +50,7 @@ const EXACT_ARC: f64 = 1e-4;
 /// Camera rays per pixel whose time is measured.
 const CAMERA_SPP: u32 = 8;
 /// Size of one diagram, points.
-const CHART: [f64; 2] = [470.0, 420.0];
+const DIAGRAM: [f64; 2] = [470.0, 420.0];
 
 /// A scene whose camera rays are followed in all settings.
 pub struct CameraRays {
@@ -64,12 +64,12 @@ pub struct CameraRays {
     threads: usize,
     exact: ExactEnds,
     /// Of the settings.
-    errors: Vec<Errors>,
+    errors: Vec<CameraRayErrors>,
 }
 
 impl CameraRays {
-    /// A study of `settings` on `scene`, in the size that its settings say, whose path-traced pictures have `spp` samples per
-    /// pixel; 0 `threads` means one per core.
+    /// A study of `settings` on `scene`, in the size that its settings say, whose path-traced pictures have `spp`
+    /// samples per pixel; 0 `threads` means one per core.
     pub fn new(mut scene: Baked, settings: Vec<Way>, spp: u32, threads: usize) -> Self {
         let base = Settings { filter: Filter::Box, ..scene.settings.clone() };
         scene.settings = Settings {
@@ -116,10 +116,10 @@ impl Study for CameraRays {
 
     fn conclude(self, samples: Vec<Vec<Cost>>) -> Report {
         let measured = self.settings.iter().zip(&self.errors).zip(&samples);
-        let measurements: Vec<Measurement> = measured
+        let measurements: Vec<CameraRayMeasurement> = measured
             .map(|((&way, &errors), costs)| {
                 let cost = [0, 1, 2, 3].map(|column: usize| median(costs, |cost| cost[column]));
-                Measurement { way, errors, cost }
+                CameraRayMeasurement { way, errors, cost }
             })
             .collect();
         trade_off::report(&measurements)
@@ -153,7 +153,7 @@ impl ExactEnds {
     }
 
     /// The errors of the rays as `scene`'s settings let them go.
-    fn errors(&self, scene: &Baked) -> Errors {
+    fn errors(&self, scene: &Baked) -> CameraRayErrors {
         let (mut position, mut direction, mut footprint) = (Vec::new(), Vec::new(), Vec::new());
         let mut differ = 0;
         for (shot, exact) in shoot(scene, &self.rays).iter().zip(&self.ends) {
@@ -176,7 +176,7 @@ impl ExactEnds {
                 _ => {}
             }
         }
-        Errors {
+        CameraRayErrors {
             rays: self.rays.len(),
             differ: f64::from(differ) / self.rays.len() as f64,
             position: Spread::of(position),
@@ -192,17 +192,17 @@ fn alike(geometry: &Geometry, a: &Shot, b: &Shot) -> bool {
         Outcome::Landed(landing) => Some(geometry.surface(landing.primitive).entity),
         _ => None,
     };
-    Fate::of(&a.end) == Fate::of(&b.end) && entity(a) == entity(b)
+    RayEnd::of(&a.end) == RayEnd::of(&b.end) && entity(a) == entity(b)
 }
 
-impl Measurement {
+impl CameraRayMeasurement {
     /// A value of the error, pixels, and the time per camera ray, nanoseconds.
     fn at(&self, error: fn(&Spread) -> f64) -> [f64; 2] {
         [self.errors.footprint.as_ref().map_or(f64::NAN, error), self.cost[0]]
     }
 }
 
-impl TradeOff for Measurement {
+impl TradeOff for CameraRayMeasurement {
     /// 99th percentile of the error, pixels, and time per camera ray, nanoseconds.
     fn place(&self) -> [f64; 2] {
         self.at(|spread| spread.p99)
@@ -212,7 +212,7 @@ impl TradeOff for Measurement {
         self.way
     }
 
-    fn printed(&self, row: Row) -> Row {
+    fn printed(&self, row: TableRow) -> TableRow {
         let Self { errors, cost: [ns_per_ray, paths_per_second, steps_per_ray, queries_per_ray], .. } = self;
         row.cell("median (px)", scientific(errors.footprint.map(|spread| spread.median), 1))
             .cell("99 % (px)", scientific(errors.footprint.map(|spread| spread.p99), 1))
@@ -225,7 +225,7 @@ impl TradeOff for Measurement {
             .cell("queries/ray", format!("{queries_per_ray:.2}"))
     }
 
-    fn row(&self, row: Row) -> Row {
+    fn row(&self, row: TableRow) -> TableRow {
         let Self { errors, cost: [ns_per_ray, paths_per_second, steps_per_ray, queries_per_ray], .. } = self;
         let parts = [Spread::RMSE, Spread::MEDIAN, Spread::P99];
         row.cell("rays", errors.rays)
@@ -241,14 +241,14 @@ impl TradeOff for Measurement {
 
     /// Work against precision: time per camera ray over the median error and over its 99th percentile.
     fn figure(all: &[Self]) -> Figure {
-        let chart = |title: &str, error: fn(&Spread) -> f64| {
+        let diagram = |title: &str, error: fn(&Spread) -> f64| {
             let points: Vec<_> = all.iter().map(|m| (m.way, m.at(error))).collect();
-            over_front(title, ["error (pixels)", "time per camera ray (ns)"], CHART, &points)
+            over_front(title, ["error (pixels)", "time per camera ray (ns)"], DIAGRAM, &points)
         };
-        let charts = vec![
-            chart("Median error", |spread| spread.median),
-            chart("99th percentile of the error", |spread| spread.p99),
+        let diagrams = vec![
+            diagram("Median error", |spread| spread.median),
+            diagram("99th percentile of the error", |spread| spread.p99),
         ];
-        Figure { charts }
+        Figure { diagrams }
     }
 }

@@ -18,11 +18,11 @@ use serde::Serialize;
 
 use super::noise::{self, Noise};
 use super::window::Window;
-use crate::film::{Image, Plane};
+use crate::film::{Channel, Image};
 
 /// Keeps the relative square finite where the reference is dark; the square of a radiance of 0.1.
 pub const EPSILON: f64 = 0.01;
-/// Decades of relative difference that [`Pair::false_color`] shows, up to 1.
+/// Decades of relative difference that [`PicturePair::false_color`] shows, up to 1.
 pub const DECADES: f64 = 3.0;
 /// Colour of pixels that cannot be compared; not on the scale.
 const NOT_COMPARABLE: [u8; 3] = [0, 255, 0];
@@ -38,7 +38,7 @@ pub struct Mismatch {
 }
 
 /// Two pictures of the same pixels, both with colours.
-pub struct Pair<'a> {
+pub struct PicturePair<'a> {
     a: &'a Image,
     b: &'a Image,
     /// `R`, `G`, `B` of A and of B.
@@ -54,9 +54,9 @@ pub struct Comparison {
     /// Data window: first column and row in the picture, and size in pixels.
     pub window: Window,
     /// `R`, `G`, `B` together.
-    pub beauty: Channel,
+    pub beauty: ChannelComparison,
     /// Every channel that both have, in A's order.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<ChannelComparison>,
     /// Channels that only A has.
     pub only_a: Vec<String>,
     /// Channels that only B has.
@@ -69,7 +69,7 @@ pub struct Comparison {
 
 /// One channel, or several taken together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Channel {
+pub struct ChannelComparison {
     /// As in the files.
     pub name: String,
     /// Pairs of finite values; all measures are over these.
@@ -118,7 +118,7 @@ pub enum Verdict {
     Unjudged,
 }
 
-impl<'a> Pair<'a> {
+impl<'a> PicturePair<'a> {
     /// Pairs `a` with its reference `b`; the strings are what messages call them.
     ///
     /// # Errors
@@ -143,7 +143,7 @@ impl<'a> Pair<'a> {
         }
         let channel = |channel: &str| {
             let of = |name: &str, image: &'a Image| {
-                image.plane(channel).ok_or_else(|| Mismatch {
+                image.channel(channel).ok_or_else(|| Mismatch {
                     cause: format!("`{name}` has no channel {channel}"),
                     remedy: "give pictures with the channels R, G and B",
                 })
@@ -179,11 +179,11 @@ impl<'a> Pair<'a> {
     /// a − b in every channel that both have; 0 for equal infinities.
     pub fn difference(&self) -> Image {
         let subtract = |(&a, &b): (&f32, &f32)| if a == b { 0.0 } else { a - b };
-        let plane = |(name, (a, b)): (&str, Values)| Plane {
+        let plane = |(name, (a, b)): (&str, Values)| Channel {
             name: name.to_owned(),
             values: zip(a, b).map(subtract).collect(),
         };
-        Image { planes: self.shared().map(plane).collect(), attributes: Vec::new(), ..*self.a }
+        Image { channels: self.shared().map(plane).collect(), attributes: Vec::new(), ..*self.a }
     }
 
     /// Relative difference of a pixel: the root of the mean over `R`, `G`, `B` of (a − b)²/(b² + [`EPSILON`]), so that
@@ -212,14 +212,14 @@ impl<'a> Pair<'a> {
 
     /// The channels that both have.
     fn shared(&self) -> impl Iterator<Item = (&'a str, Values<'a>)> {
-        let values = |plane: &'a Plane| {
-            Some((plane.name.as_str(), (plane.values.as_slice(), self.b.plane(&plane.name)?)))
+        let values = |plane: &'a Channel| {
+            Some((plane.name.as_str(), (plane.values.as_slice(), self.b.channel(&plane.name)?)))
         };
-        self.a.planes.iter().filter_map(values)
+        self.a.channels.iter().filter_map(values)
     }
 
-    fn channel(&self, name: &str, parts: &[Values]) -> Channel {
-        let mut sums = Sums::default();
+    fn channel(&self, name: &str, parts: &[Values]) -> ChannelComparison {
+        let mut sums = DifferenceSums::default();
         for (a, b) in parts {
             zip(*a, *b).enumerate().for_each(|(pixel, (&a, &b))| sums.add(pixel, a, b));
         }
@@ -228,7 +228,7 @@ impl<'a> Pair<'a> {
             let (x, y) = (pixel % self.a.size.0, pixel / self.a.size.0);
             (self.a.origin.0 + x, self.a.origin.1 + y)
         };
-        Channel {
+        ChannelComparison {
             name: name.to_owned(),
             finite: sums.finite,
             non_finite: sums.non_finite,
@@ -249,7 +249,7 @@ impl<'a> Pair<'a> {
 
 /// Over pairs of values.
 #[derive(Default)]
-struct Sums {
+struct DifferenceSums {
     finite: usize,
     non_finite: usize,
     non_finite_unequal: usize,
@@ -262,7 +262,7 @@ struct Sums {
     largest: (f64, usize),
 }
 
-impl Sums {
+impl DifferenceSums {
     fn add(&mut self, pixel: usize, a: f32, b: f32) {
         let unequal = usize::from(a != b && !(a.is_nan() && b.is_nan()));
         self.unequal += unequal;
@@ -294,8 +294,8 @@ fn relative_square(a: f32, b: f32) -> f64 {
 
 /// Names of the channels of `image` that `other` lacks.
 fn only(image: &Image, other: &Image) -> Vec<String> {
-    let names = image.planes.iter().map(|plane| &plane.name);
-    names.filter(|name| other.plane(name).is_none()).cloned().collect()
+    let names = image.channels.iter().map(|plane| &plane.name);
+    names.filter(|name| other.channel(name).is_none()).cloned().collect()
 }
 
 fn pixels((width, height): (usize, usize)) -> String {
@@ -308,23 +308,23 @@ mod tests {
 
     /// A picture of one row, whose R, G, B are `values`.
     fn row(values: &[f32]) -> Image {
-        let plane = |name: &str| Plane { name: name.to_owned(), values: values.to_vec() };
+        let plane = |name: &str| Channel { name: name.to_owned(), values: values.to_vec() };
         Image {
             width: 10,
             height: 10,
             origin: (3, 2),
             size: (values.len(), 1),
-            planes: ["R", "G", "B"].map(plane).to_vec(),
+            channels: ["R", "G", "B"].map(plane).to_vec(),
             attributes: Vec::new(),
         }
     }
 
-    fn pair<'a>(a: &'a Image, b: &'a Image) -> Pair<'a> {
-        Pair::new(("a.exr", a), ("b.exr", b)).unwrap()
+    fn pair<'a>(a: &'a Image, b: &'a Image) -> PicturePair<'a> {
+        PicturePair::new(("a.exr", a), ("b.exr", b)).unwrap()
     }
 
     fn refused(a: &Image, b: &Image) -> String {
-        Pair::new(("a.exr", a), ("b.exr", b)).err().unwrap().to_string()
+        PicturePair::new(("a.exr", a), ("b.exr", b)).err().unwrap().to_string()
     }
 
     #[test]
@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn channels_that_only_one_has_are_named() {
         let (a, mut b) = (row(&[1.0]), row(&[1.0]));
-        b.planes.push(Plane { name: "depth.Z".to_owned(), values: vec![2.0] });
+        b.channels.push(Channel { name: "depth.Z".to_owned(), values: vec![2.0] });
         let found = pair(&a, &b).compare();
         assert!(found.only_a.is_empty() && found.channels.len() == 3);
         assert_eq!(found.only_b, ["depth.Z"]);
@@ -391,10 +391,10 @@ mod tests {
         let moved = Image { origin: (4, 2), ..image.clone() };
         assert!(refused(&image, &moved).contains("`b.exr` 2x1 pixels at (4, 2)"));
         let mut grey = image.clone();
-        grey.planes.remove(1);
+        grey.channels.remove(1);
         assert_eq!(refused(&grey, &image), "`a.exr` has no channel G");
         let mut ragged = image.clone();
-        ragged.planes[2].values.pop();
+        ragged.channels[2].values.pop();
         assert!(refused(&image, &ragged).contains("`b.exr`"));
     }
 
@@ -402,7 +402,7 @@ mod tests {
     fn the_difference_has_the_sign_of_a_less_b_and_the_place_of_both() {
         let (a, b) = (row(&[3.0, f32::INFINITY, 1.0]), row(&[1.0, f32::INFINITY, 2.0]));
         let difference = pair(&a, &b).difference();
-        assert_eq!(difference.planes, row(&[2.0, 0.0, -1.0]).planes);
+        assert_eq!(difference.channels, row(&[2.0, 0.0, -1.0]).channels);
         assert_eq!((difference.origin, difference.width), (a.origin, a.width));
     }
 

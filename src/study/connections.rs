@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
+use super::input_error::{Input, InputError};
 use crate::geodesic::{Connection, Lens};
 use crate::math::cross_exact;
 use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct PointPair {
     /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
     /// One point, isotropic coordinates.
@@ -36,8 +37,8 @@ pub struct Joint {
     pub arrival: DVec3,
     /// Coordinate time, in the unit of length.
     pub time: f64,
-    /// G_xy: solid angle at x over the proper area at y perpendicular to the ray, both of observers at rest. Infinite in
-    /// the ring of rays between opposite points.
+    /// G_xy: solid angle at x over the proper area at y perpendicular to the ray, both of observers at rest. Infinite
+    /// in the ring of rays between opposite points.
     pub spread: f64,
     /// G_yx: the same the other way.
     pub reversed_spread: f64,
@@ -55,31 +56,6 @@ pub struct Joints {
     pub found: Vec<Joint>,
     /// Number of further rays, which rounding hides.
     pub hidden: usize,
-}
-
-/// Error: there are no rays between two points.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{cause}")]
-pub struct Fault {
-    /// Input at fault.
-    pub input: Input,
-    /// Problem, in words.
-    pub cause: String,
-    /// Remedy.
-    pub remedy: String,
-}
-
-/// Something that describes a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// The parameter of the spacetime that tables have in this column.
-    Parameter(&'static str),
-    /// The point x.
-    X,
-    /// The point y.
-    Y,
-    /// Position of the points relative to each other.
-    Both,
 }
 
 /// Shortest and longest length whose powers are numbers.
@@ -107,33 +83,34 @@ impl Joiner {
 
     /// The rays between the points of `pair` of winding orders up to `max_winding`.
     ///
-    /// Points on a line through the hole, to rounding, are joined by the radial ray if they are on the same side of it, and
-    /// otherwise by a ring of rays that sweep π, for which one stands; rings that wind farther are left out, and so is all
-    /// but the straight ray in flat space.
+    /// Points on a line through the hole, to rounding, are joined by the radial ray if they are on the same side of it,
+    /// and otherwise by a ring of rays that sweep π, for which one stands; rings that wind farther are left out, and so
+    /// is all but the straight ray in flat space.
     ///
     /// # Errors
-    /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can hold.
-    pub fn join(&self, pair: &Pair, max_winding: u32) -> Result<Joints, Fault> {
-        let Pair { spacetime, x, y } = *pair;
+    /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can
+    /// hold.
+    pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
+        let PointPair { spacetime, x, y } = *pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {
                 return Ok(());
             }
             let remedy = format!("give a length above 0, from {least:e} to {most:e}{also}");
-            Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+            Err(InputError { input, cause: format!("{what} is {length}"), remedy })
         };
         length(Input::Both, "the distance between the points", x.distance(y), "")?;
         let same = x.distance(y) <= ROUNDING * x.length().max(y.length());
         if same {
             let cause = "the points are the same to rounding".to_owned();
-            return Err(Fault { input: Input::Both, cause, remedy: "give two points".to_owned() });
+            return Err(InputError { input: Input::Both, cause, remedy: "give two points".to_owned() });
         }
         let spin = cross_exact::cross(x, y).length();
         for (parameter, value) in spacetime.parameters() {
             let input = Input::Parameter(parameter.column);
             if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
-                return Err(Fault { input, cause, remedy });
+                return Err(InputError { input, cause, remedy });
             }
             if parameter.range == Range::Length {
                 length(input, parameter.noun, value, ", or 0 for flat space")?;
@@ -145,12 +122,12 @@ impl Joiner {
         let Some(lens) = self.lens(metric) else {
             let cause = format!("a spacetime of kind {} has no photon sphere", spacetime.entry().name);
             let remedy = "give another --spacetime".to_owned();
-            return Err(Fault { input: Input::Both, cause, remedy });
+            return Err(InputError { input: Input::Both, cause, remedy });
         };
         for (input, point) in [(Input::X, x), (Input::Y, y)] {
             let (rho, horizon) = (point.length() / unit, metric.horizon());
             if rho <= horizon * (1.0 + ROUNDING) {
-                return Err(Fault {
+                return Err(InputError {
                     input,
                     cause: format!(
                         "the point is at the isotropic radius {}, but the horizon is at {}",

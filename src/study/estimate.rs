@@ -20,8 +20,8 @@ impl Estimate {
         Self { value, error: (n > 1.0).then(|| (squares / (n - 1.0) / n).sqrt()) }
     }
 
-    /// The mean of the middle half of `values`, which are not far from normal but for outliers: what a busy machine does
-    /// to times.
+    /// The mean of the middle half of `values`, which are not far from normal but for outliers: what a busy machine
+    /// does to times.
     pub fn middle(values: &[f64]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

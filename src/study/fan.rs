@@ -5,15 +5,15 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
-use super::table::{Row, Table};
+use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
-use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
+use crate::plot::{Axis, Color, Diagram, Figure, Series, Style};
 use crate::scene::Baked;
 use crate::spacetime::{ConformallyFlat, Metric};
-use crate::trace::{Fate, Polyline, Ray, polylines, transport::Outcome};
+use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
-/// Which rays.
+/// Rays of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanOptions {
     /// Number of rays, at least 1.
@@ -46,12 +46,12 @@ pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
     cuts: Vec<CrossSection>,
-    view: View,
+    view: FanPlane,
 }
 
 /// The plane of the fan as the picture shows it.
 #[derive(Clone, Copy, Debug)]
-struct View {
+struct FanPlane {
     origin: DVec3,
     right: DVec3,
     up: DVec3,
@@ -59,7 +59,7 @@ struct View {
 
 /// A box in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Frame {
+struct FanBounds {
     min: DVec2,
     max: DVec2,
 }
@@ -74,8 +74,8 @@ const BESIDE_HOLE: f64 = 0.4;
 const ROOM: f64 = 0.05;
 /// Smaller side of a frame, relative to the larger one, at least.
 const SLIMMEST: f64 = 0.45;
-/// Largest width and height of the chart, points.
-const CHART: [f64; 2] = [880.0, 620.0];
+/// Largest width and height of the diagram, points.
+const DIAGRAM: [f64; 2] = [880.0, 620.0];
 /// Corners of the polygon that stands for a circle.
 const CORNERS: u32 = 256;
 /// Angle by which a ray turns from one piece of its way out of the picture to the next, about, radians.
@@ -99,7 +99,8 @@ impl Fan {
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
-        let view = View { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
+        let view =
+            FanPlane { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
 
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
         let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
@@ -121,29 +122,30 @@ impl Fan {
     /// Number of rays of each fate that occurs, by name.
     pub fn fates(&self) -> Vec<(&'static str, usize)> {
         let count =
-            |fate: Fate| self.polylines.iter().filter(|polyline| Fate::of(&polyline.end) == fate).count();
-        let counts = Fate::ALL.map(|fate| (fate.name(), count(fate)));
+            |fate: RayEnd| self.polylines.iter().filter(|polyline| RayEnd::of(&polyline.end) == fate).count();
+        let counts = RayEnd::ALL.map(|fate| (fate.name(), count(fate)));
         counts.into_iter().filter(|(_, count)| *count > 0).collect()
     }
 
     /// Writes the rays as rows of ray, point, world position and fate.
     ///
     /// # Errors
-    /// What `out` reports.
+    /// Errors of `out`.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let reach = self.frame().reach();
         let mut rows = Vec::new();
         for (ray, polyline) in self.polylines.iter().enumerate() {
-            let fate = Fate::of(&polyline.end).name();
+            let fate = RayEnd::of(&polyline.end).name();
             for (point, DVec3 { x, y, z }) in self.drawn(polyline, reach).into_iter().enumerate() {
-                let row = Row::default().cell("ray", ray).cell("point", point);
+                let row = TableRow::default().cell("ray", ray).cell("point", point);
                 rows.push(row.cell("x", x).cell("y", y).cell("z", z).cell("fate", fate));
             }
         }
         Table::of(rows).write_csv(out)
     }
 
-    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the picture.
+    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the
+    /// picture.
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
         if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last()) {
@@ -166,9 +168,9 @@ impl Fan {
             style: Style::line(Color::GREY, 3.0),
             curves: self.cuts.iter().filter_map(|cut| self.view.outline(cut, &frame)).collect(),
         }];
-        for fate in Fate::ALL {
+        for fate in RayEnd::ALL {
             let rays: Vec<&Polyline> =
-                self.polylines.iter().filter(|polyline| Fate::of(&polyline.end) == fate).collect();
+                self.polylines.iter().filter(|polyline| RayEnd::of(&polyline.end) == fate).collect();
             if rays.is_empty() {
                 continue;
             }
@@ -195,11 +197,11 @@ impl Fan {
             });
         }
         let origin = if self.hole.is_some() { "the hole" } else { "the start" };
-        let Frame { min, max } = frame;
+        let FanBounds { min, max } = frame;
         let side = max - min;
-        let scale = (CHART[0] / side.x).min(CHART[1] / side.y);
+        let scale = (DIAGRAM[0] / side.x).min(DIAGRAM[1] / side.y);
         Figure {
-            charts: vec![Chart {
+            diagrams: vec![Diagram {
                 title: title.to_owned(),
                 x: Axis::linear(format!("from {origin} along the view (scene units)"), [min.x, max.x]),
                 y: Axis::linear("across (scene units)", [min.y, max.y]),
@@ -210,8 +212,8 @@ impl Fan {
     }
 
     /// Frame of the picture, around the ends of rays and the hole; or the geometry; or a piece of a straight ray.
-    fn frame(&self) -> Frame {
-        let mut frame = Frame::NOTHING;
+    fn frame(&self) -> FanBounds {
+        let mut frame = FanBounds::NOTHING;
         for polyline in &self.polylines {
             let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
             polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
@@ -268,8 +270,8 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative to
-/// the hole.
+/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative
+/// to the hole.
 fn way_out(medium: &Metric, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
     let launch = Launch::new(medium, start, heading, f64::EPSILON);
     let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);
@@ -297,14 +299,14 @@ fn circle(center: DVec2, radius: f64, middle: f64, half: f64) -> Vec<[f64; 2]> {
     (0..=CORNERS).map(|i| (center + radius * unit(angle(i))).into()).collect()
 }
 
-impl View {
+impl FanPlane {
     fn place(&self, point: DVec3) -> [f64; 2] {
         let from = point - self.origin;
         [from.dot(self.right), from.dot(self.up)]
     }
 
     /// The part of a cut that the frame may show.
-    fn outline(&self, cut: &CrossSection, frame: &Frame) -> Option<Vec<[f64; 2]>> {
+    fn outline(&self, cut: &CrossSection, frame: &FanBounds) -> Option<Vec<[f64; 2]>> {
         match *cut {
             CrossSection::Line(ends) => {
                 let [a, b] = ends.map(|end| self.place(end));
@@ -326,7 +328,7 @@ impl View {
     }
 }
 
-impl Frame {
+impl FanBounds {
     const NOTHING: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
 
     /// Takes in a disc.
@@ -351,11 +353,11 @@ impl Frame {
 }
 
 /// The colour of rays that end so.
-fn color(fate: Fate) -> Color {
+fn color(fate: RayEnd) -> Color {
     match fate {
-        Fate::Hit => Color::BLUE,
-        Fate::Escaped => Color::GREEN,
-        Fate::Captured => Color::VERMILION,
-        Fate::StepLimit | Fate::NonFinite => Color::PURPLE,
+        RayEnd::Hit => Color::BLUE,
+        RayEnd::Escaped => Color::GREEN,
+        RayEnd::Captured => Color::VERMILION,
+        RayEnd::StepLimit | RayEnd::NonFinite => Color::PURPLE,
     }
 }

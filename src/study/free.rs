@@ -4,7 +4,8 @@ use std::marker::PhantomData;
 
 use glam::DVec3;
 
-use crate::geodesic::{Control, End, Launch, Phase, Stepper, elapsed, follow};
+use super::input_error::{Input, InputError};
+use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
@@ -38,7 +39,7 @@ pub struct Accuracy {
 
 /// Status of a ray at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum FreeRayEnd {
     /// It crossed the sphere outwards.
     Escaped,
     /// It falls through the horizon before.
@@ -51,7 +52,7 @@ pub enum Status {
     NonFinite,
 }
 
-impl Status {
+impl FreeRayEnd {
     /// All, in order.
     pub const ALL: [Self; 5] =
         [Self::Escaped, Self::Captured, Self::Missed, Self::StepLimit, Self::NonFinite];
@@ -59,17 +60,17 @@ impl Status {
     /// As tables have it.
     pub fn name(self) -> &'static str {
         match self {
-            Status::Escaped => "escaped",
-            Status::Captured => "captured",
-            Status::Missed => "missed",
-            Status::StepLimit => "step-limit",
-            Status::NonFinite => "non-finite",
+            FreeRayEnd::Escaped => "escaped",
+            FreeRayEnd::Captured => "captured",
+            FreeRayEnd::Missed => "missed",
+            FreeRayEnd::StepLimit => "step-limit",
+            FreeRayEnd::NonFinite => "non-finite",
         }
     }
 
     /// True if numbers failed, and not the ray.
     pub fn is_lost(self) -> bool {
-        matches!(self, Status::StepLimit | Status::NonFinite)
+        matches!(self, FreeRayEnd::StepLimit | FreeRayEnd::NonFinite)
     }
 }
 
@@ -77,7 +78,7 @@ impl Status {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exit {
     /// Status at its end.
-    pub status: Status,
+    pub status: FreeRayEnd,
     /// Crossing of the sphere, if it escaped.
     pub crossing: Option<Crossing>,
     /// Impact parameter L/E, a length.
@@ -114,38 +115,11 @@ pub struct Crossing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// Status at its end.
-    pub status: Status,
+    pub status: FreeRayEnd,
     /// Position of the crossing of the sphere, in the chart, and unit direction there, if it escaped.
     pub crossing: Option<(DVec3, DVec3)>,
     /// Steps tried.
     pub steps: u32,
-}
-
-/// Error: a ray cannot be followed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{cause}")]
-pub struct Fault {
-    /// Input at fault.
-    pub input: Input,
-    /// Problem, in words.
-    pub cause: String,
-    /// Remedy.
-    pub remedy: String,
-}
-
-/// Something that describes a ray and how it is followed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Input {
-    /// The parameter of the spacetime that tables have in this column.
-    Parameter(&'static str),
-    /// The point where the ray starts.
-    Start,
-    /// Its direction.
-    Direction,
-    /// The radius of the sphere.
-    Sphere,
-    /// The stepper.
-    Stepper,
 }
 
 /// Distance from the sphere, relative to its radius, at which a start counts as on it.
@@ -156,7 +130,7 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 ///
 /// # Errors
 /// If there is no such ray, or the stepper is the paper's.
-pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, Fault> {
+pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -164,7 +138,7 @@ pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Re
 ///
 /// # Errors
 /// As [`trace`].
-pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, Fault> {
+pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -198,7 +172,7 @@ impl Answer for Arrival {
     }
 }
 
-fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, Fault> {
+fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
@@ -218,7 +192,7 @@ struct Asker<'a, A> {
 }
 
 impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
-    type Output = Result<A, Fault>;
+    type Output = Result<A, InputError>;
 
     fn flat(self) -> Self::Output {
         Ok(A::straight(straight(self.x, self.ray)))
@@ -229,7 +203,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
     }
 
     fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> Self::Output {
-        Err(Fault {
+        Err(InputError {
             input: Input::Stepper,
             cause: "rays through a wormhole run in renders only".to_owned(),
             remedy: "give another --spacetime".to_owned(),
@@ -237,7 +211,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {
-        Err(Fault {
+        Err(InputError {
             input: Input::Stepper,
             cause: "rays around a spinning hole run in renders only".to_owned(),
             remedy: "give another --spacetime".to_owned(),
@@ -250,13 +224,13 @@ impl Accuracy {
     ///
     /// # Errors
     /// If the stepper is the paper's.
-    pub fn check(&self) -> Result<(), Fault> {
+    pub fn check(&self) -> Result<(), InputError> {
         if self.stepper == StepperKind::Rk4Paper { Err(no_orbits()) } else { Ok(()) }
     }
 }
 
-fn no_orbits() -> Fault {
-    Fault {
+fn no_orbits() -> InputError {
+    InputError {
         input: Input::Stepper,
         cause: "the stepper rk4-paper knows no tolerance and runs in renders only".to_owned(),
         remedy: "take another stepper, such as rkn6 or dop853".to_owned(),
@@ -277,30 +251,30 @@ impl Lengths {
         }
     }
 
-    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), Fault> {
+    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), InputError> {
         let Self { least, most } = *self;
         if (least..=most).contains(&length) {
             return Ok(());
         }
         let remedy = format!("give a length above 0, from {least:e} to {most:e}");
-        Err(Fault { input, cause: format!("{what} is {length}"), remedy })
+        Err(InputError { input, cause: format!("{what} is {length}"), remedy })
     }
 
     /// Refuses values that a parameter of a spacetime may not have.
-    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), Fault> {
+    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), InputError> {
         let input = Input::Parameter(parameter.column);
         if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
-            return Err(Fault { input, cause, remedy });
+            return Err(InputError { input, cause, remedy });
         }
         if parameter.range != Range::Length {
             return Ok(());
         }
         self.check(input, parameter.noun, value)
-            .map_err(|fault| Fault { remedy: fault.remedy + ", or 0 for flat space", ..fault })
+            .map_err(|fault| InputError { remedy: fault.remedy + ", or 0 for flat space", ..fault })
     }
 
     /// The start of `ray` relative to `center`.
-    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, Fault> {
+    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, InputError> {
         let x = ray.start - center;
         self.check(Input::Start, "the distance of the start from the centre", x.length())?;
         Ok(x)
@@ -314,7 +288,7 @@ fn curved<M: ConformallyFlat, A: Answer>(
     center: DVec3,
     ray: &FreeRay,
     accuracy: &Accuracy,
-) -> Result<A, Fault> {
+) -> Result<A, InputError> {
     let epsilon = match accuracy.precision {
         Precision::F32 => f32::EPSILON.into(),
         Precision::F64 => f64::EPSILON,
@@ -322,7 +296,7 @@ fn curved<M: ConformallyFlat, A: Answer>(
     let (rho, horizon) = (x.length(), medium.horizon());
     // As near to the horizon as a few roundings, the index is anything.
     if rho <= horizon * (1.0 + 4.0 * epsilon) {
-        return Err(Fault {
+        return Err(InputError {
             input: Input::Start,
             cause: format!("the ray starts at the isotropic radius {rho}, but the horizon is at {horizon}"),
             remedy: "start outside the horizon; the isotropic radius is not the areal one".to_owned(),
@@ -371,15 +345,15 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         if on_sphere { self.launch.w } else { 1.0 / self.ray.r_out }
     }
 
-    fn status<R>(&self, end: &End<R>) -> Status {
+    fn status<R>(&self, end: &OrbitEnd<R>) -> FreeRayEnd {
         match end {
-            End::Crosses(..) => Status::Escaped,
-            End::Falls => Status::Captured,
+            OrbitEnd::Crosses(..) => FreeRayEnd::Escaped,
+            OrbitEnd::Falls => FreeRayEnd::Captured,
             // It is beyond the sphere, but comes back.
-            End::Misses if self.launch.fate == Fate::Falls => Status::Captured,
-            End::Misses => Status::Missed,
-            End::StepLimit => Status::StepLimit,
-            End::NonFinite => Status::NonFinite,
+            OrbitEnd::Misses if self.launch.fate == Fate::Falls => FreeRayEnd::Captured,
+            OrbitEnd::Misses => FreeRayEnd::Missed,
+            OrbitEnd::StepLimit => FreeRayEnd::StepLimit,
+            OrbitEnd::NonFinite => FreeRayEnd::NonFinite,
         }
     }
 
@@ -391,7 +365,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         let orbit = (R::of(launch.b), start, launch.fate);
         let journey = follow(*medium, stepper, &control, orbit, w_out, |_| {});
         let crossing = match &journey.end {
-            End::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
+            OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
             _ => None,
         };
         Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
@@ -415,7 +389,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             time += elapsed(*medium, stepper, step);
         });
         let crossing = match journey.end {
-            End::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
+            OrbitEnd::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
             _ => None,
         };
         let critical = medium.critical_impact_parameter();
@@ -493,7 +467,7 @@ fn straight(x: DVec3, ray: &FreeRay) -> Exit {
             drift_l: drift_l(b, spin(position, direction)),
         }
     });
-    let status = if crosses { Status::Escaped } else { Status::Missed };
+    let status = if crosses { FreeRayEnd::Escaped } else { FreeRayEnd::Missed };
     Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 }
 }
 
@@ -517,24 +491,24 @@ mod tests {
     fn the_status_tells_how_a_ray_meets_its_sphere() {
         let cases = [
             // Inside it, outside it, on it.
-            ([2.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
-            ([9.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Missed),
-            ([3.0, 4.0, 0.0], [1.0, 1.0, 0.0], 5.0, Status::Escaped),
+            ([2.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Escaped),
+            ([9.0, 0.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Missed),
+            ([3.0, 4.0, 0.0], [1.0, 1.0, 0.0], 5.0, FreeRayEnd::Escaped),
             // Past the hole: through the sphere, and beside it.
-            ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 5.0, Status::Escaped),
-            ([9.0, 0.0, 0.0], [-1.0, 2.0, 0.0], 5.0, Status::Missed),
-            ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0, Status::Captured),
+            ([9.0, 0.0, 0.0], [-1.0, 0.4, 0.0], 5.0, FreeRayEnd::Escaped),
+            ([9.0, 0.0, 0.0], [-1.0, 2.0, 0.0], 5.0, FreeRayEnd::Missed),
+            ([9.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 5.0, FreeRayEnd::Captured),
             // Within the photon sphere, turning back: before the sphere, beyond it, from beyond it.
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.9, Status::Captured),
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.501, Status::Escaped),
-            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, Status::Captured),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.9, FreeRayEnd::Captured),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.501, FreeRayEnd::Escaped),
+            ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, FreeRayEnd::Captured),
         ];
         for (start, direction, r_out, status) in cases {
             let found = exit(HOLE, ray(start, direction, r_out));
             assert_eq!(found.status, status, "{start:?} {direction:?} {r_out}: {found:?}");
-            assert_eq!(found.crossing.is_some(), status == Status::Escaped);
+            assert_eq!(found.crossing.is_some(), status == FreeRayEnd::Escaped);
             let expected =
-                if start[0] == 9.0 && direction[0] < 0.0 && status != Status::Captured { 1 } else { 0 };
+                if start[0] == 9.0 && direction[0] < 0.0 && status != FreeRayEnd::Captured { 1 } else { 0 };
             assert_eq!(usize::from(found.r_min.is_some()), expected, "{found:?}");
         }
     }

@@ -6,16 +6,16 @@
 
 use std::time::Instant;
 
-use super::compare::{Measures, Mismatch, Pair};
+use super::compare::{Measures, Mismatch, PicturePair};
 use super::errors::median;
 use super::estimate::{Estimate, geometric_median};
 use super::reference::Reference;
 use super::render::render;
 use super::report::{Report, style_of};
 use super::rounds::Study;
-use super::table::{Row, Table, scientific, with_error};
+use super::table::{Table, TableRow, scientific, with_error};
 use crate::film::Image;
-use crate::plot::{Chart, Figure, Series};
+use crate::plot::{Diagram, Figure, Series};
 use crate::scene::{Baked, LightSampling, flag_name};
 use crate::trace::{Progress, Run};
 
@@ -33,10 +33,10 @@ pub struct Plan {
 }
 
 /// Size of one diagram, points.
-const CHART: [f64; 2] = [470.0, 420.0];
+const DIAGRAM: [f64; 2] = [470.0, 420.0];
 
 /// Source of the reference.
-pub enum Source {
+pub enum ReferenceSource {
     /// Rendered with light sampling along geodesics, with this many samples per pixel.
     Rendered(u32),
     /// From elsewhere.
@@ -45,7 +45,7 @@ pub enum Source {
 
 /// A way and a number of samples, measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Measurement {
+struct LightSamplingMeasurement {
     /// The way.
     way: LightSampling,
     /// Samples per pixel.
@@ -77,17 +77,17 @@ struct Gain {
 /// A way with all its numbers of samples.
 #[derive(Clone, Debug, PartialEq)]
 struct Technique {
-    /// Which one.
+    /// Light sampling.
     way: LightSampling,
     /// By samples per pixel, as in the plan.
-    measurements: Vec<Measurement>,
+    measurements: Vec<LightSamplingMeasurement>,
     /// The median over `measurements`.
     gain: Gain,
 }
 
 /// One picture, measured.
 #[derive(Clone, Copy)]
-pub struct Picture {
+pub struct MeasuredPicture {
     seconds: f64,
     mse: f64,
     relmse: f64,
@@ -107,9 +107,14 @@ pub struct LightStudy<'a> {
 }
 
 impl<'a> LightStudy<'a> {
-    /// A study of `scene`, in the size that its settings say; renders the reference if none is given. `progress` is told from
-    /// worker threads how many of how many camera paths are done.
-    pub fn new(scene: Baked, plan: Plan, source: Source, progress: &'a (dyn Fn(Progress) + Sync)) -> Self {
+    /// A study of `scene`, in the size that its settings say; renders the reference if none is given. `progress` is
+    /// told from worker threads how many of how many camera paths are done.
+    pub fn new(
+        scene: Baked,
+        plan: Plan,
+        source: ReferenceSource,
+        progress: &'a (dyn Fn(Progress) + Sync),
+    ) -> Self {
         let settings: Vec<(LightSampling, u32)> =
             plan.spps.iter().flat_map(|&spp| plan.ways.iter().map(move |&way| (way, spp))).collect();
         let pixels = scene.settings.width * scene.settings.height;
@@ -123,8 +128,8 @@ impl<'a> LightStudy<'a> {
             total: samples.saturating_mul(plan.rounds.into()).saturating_mul(pixels as u64),
         };
         let reference = match source {
-            Source::Rendered(spp) => renders.reference(spp),
-            Source::Given(reference) => {
+            ReferenceSource::Rendered(spp) => renders.reference(spp),
+            ReferenceSource::Given(reference) => {
                 renders.seeds.taken = seed(&reference.image);
                 reference
             }
@@ -134,23 +139,23 @@ impl<'a> LightStudy<'a> {
     }
 
     /// Sums up the pictures of each setting, way by way.
-    fn ways(&self, pictures: &[Vec<Picture>]) -> Vec<Technique> {
+    fn ways(&self, pictures: &[Vec<MeasuredPicture>]) -> Vec<Technique> {
         let Plan { ways, spps, .. } = &self.plan;
         let of_way = |way: usize| (0..spps.len()).map(move |spp| spp * ways.len() + way);
-        let costs = |way: usize, error: fn(&Picture) -> f64| -> Vec<Vec<f64>> {
-            let cost = |picture: &Picture| error(picture) * picture.seconds;
+        let costs = |way: usize, error: fn(&MeasuredPicture) -> f64| -> Vec<Vec<f64>> {
+            let cost = |picture: &MeasuredPicture| error(picture) * picture.seconds;
             of_way(way).map(|index| pictures[index].iter().map(cost).collect()).collect()
         };
-        let errors: [fn(&Picture) -> f64; 2] = [|picture| picture.mse, |picture| picture.relmse];
+        let errors: [fn(&MeasuredPicture) -> f64; 2] = [|picture| picture.mse, |picture| picture.relmse];
         let off = ways.iter().position(|&way| way == LightSampling::Off);
         let without = errors.map(|error| off.and_then(|off| medians(&costs(off, error))));
         let measured = ways.iter().enumerate().map(|(place, &way)| {
             let [absolute, relative] =
                 [0, 1].map(|kind: usize| Gains::of(&costs(place, errors[kind]), without[kind].as_deref()));
-            let measurement = |(spp, index): (usize, usize)| Measurement {
+            let measurement = |(spp, index): (usize, usize)| LightSamplingMeasurement {
                 gain: Gain { absolute: absolute.single[spp], relative: relative.single[spp] },
                 mean: self.stacks[index].mean_over(&pictures[index], &self.reference),
-                ..Measurement::of(way, spps[spp], &pictures[index])
+                ..LightSamplingMeasurement::of(way, spps[spp], &pictures[index])
             };
             Technique {
                 way,
@@ -163,7 +168,7 @@ impl<'a> LightStudy<'a> {
 }
 
 impl Study for LightStudy<'_> {
-    type Sample = Picture;
+    type Sample = MeasuredPicture;
     type Findings = Report;
     type Error = Mismatch;
 
@@ -171,14 +176,14 @@ impl Study for LightStudy<'_> {
         self.settings.len()
     }
 
-    fn measure(&mut self, setting: usize) -> Result<Picture, Mismatch> {
+    fn measure(&mut self, setting: usize) -> Result<MeasuredPicture, Mismatch> {
         let (way, spp) = self.settings[setting];
         let (image, seconds) = self.renders.render(way, spp);
         self.stacks[setting].add(&image);
-        Picture::of(&image, seconds, &self.reference)
+        MeasuredPicture::of(&image, seconds, &self.reference)
     }
 
-    fn conclude(self, samples: Vec<Vec<Picture>>) -> Report {
+    fn conclude(self, samples: Vec<Vec<MeasuredPicture>>) -> Report {
         let ways = self.ways(&samples);
         Report { text: text(&ways), table: table(&ways), figure: figure(&ways) }
     }
@@ -211,10 +216,10 @@ impl Gains {
     }
 }
 
-impl Measurement {
+impl LightSamplingMeasurement {
     /// All but the mean and the gain.
-    fn of(way: LightSampling, spp: u32, pictures: &[Picture]) -> Self {
-        let all = |value: fn(&Picture) -> f64| pictures.iter().map(value).collect::<Vec<f64>>();
+    fn of(way: LightSampling, spp: u32, pictures: &[MeasuredPicture]) -> Self {
+        let all = |value: fn(&MeasuredPicture) -> f64| pictures.iter().map(value).collect::<Vec<f64>>();
         Self {
             way,
             spp,
@@ -238,9 +243,9 @@ impl Measurement {
     }
 }
 
-impl Picture {
+impl MeasuredPicture {
     fn of(image: &Image, seconds: f64, reference: &Reference) -> Result<Self, Mismatch> {
-        let pair = Pair::new(("the picture", image), ("the reference", &reference.image))?;
+        let pair = PicturePair::new(("the picture", image), ("the reference", &reference.image))?;
         let beauty = pair.compare().beauty.measures;
         let noise = reference.noise.unwrap_or_default();
         let value = |value: fn(&Measures) -> f64| beauty.as_ref().map_or(f64::NAN, value);
@@ -270,7 +275,7 @@ impl Stack {
     }
 
     fn add(&mut self, image: &Image) {
-        let planes = ["R", "G", "B"].map(|name| image.plane(name).unwrap_or_default());
+        let planes = ["R", "G", "B"].map(|name| image.channel(name).unwrap_or_default());
         for (pixel, [sum, squares]) in self.0.iter_mut().enumerate() {
             let colors = planes.map(|plane| plane.get(pixel).map_or(0.0, |&value| f64::from(value)));
             let mean = colors.iter().sum::<f64>() / 3.0;
@@ -281,8 +286,8 @@ impl Stack {
     }
 
     /// Mean of the pictures over that of the reference; its error is that of pixels which are independent.
-    fn mean_over(&self, pictures: &[Picture], reference: &Reference) -> Option<Estimate> {
-        let colors = ["R", "G", "B"].map(|name| reference.image.plane(name).unwrap_or_default());
+    fn mean_over(&self, pictures: &[MeasuredPicture], reference: &Reference) -> Option<Estimate> {
+        let colors = ["R", "G", "B"].map(|name| reference.image.channel(name).unwrap_or_default());
         let finite = colors.iter().flat_map(|plane| plane.iter()).filter(|value| value.is_finite());
         let (sum, count) = finite.fold((0.0, 0), |(sum, count), &v| (sum + f64::from(v), count + 1));
         let expected = sum / f64::from(count);
@@ -363,12 +368,12 @@ fn seed(image: &Image) -> Option<u64> {
 
 /// All measurements, and what each way gains, as two tables.
 fn text(ways: &[Technique]) -> String {
-    let gains = |row: Row, prefix: &str, gain: &Gain| {
+    let gains = |row: TableRow, prefix: &str, gain: &Gain| {
         row.cell(format!("{prefix}gain"), with_error(gain.absolute))
             .cell(format!("{prefix}relative gain"), with_error(gain.relative))
     };
-    let row = |m: &Measurement| {
-        let row = Row::default()
+    let row = |m: &LightSamplingMeasurement| {
+        let row = TableRow::default()
             .cell("light sampling", flag_name(m.way))
             .cell("spp", m.spp)
             .cell("seconds", format!("{:.3}", m.seconds))
@@ -380,7 +385,7 @@ fn text(ways: &[Technique]) -> String {
         gains(row, "", &m.gain)
     };
     let of_way = |way: &Technique| {
-        gains(Row::default().cell("light sampling", flag_name(way.way)), "median ", &way.gain)
+        gains(TableRow::default().cell("light sampling", flag_name(way.way)), "median ", &way.gain)
     };
     let all = Table::of(ways.iter().flat_map(|way| &way.measurements).map(row));
     format!("{}\n{}", all.markdown(), Table::of(ways.iter().map(of_way)).markdown())
@@ -388,8 +393,8 @@ fn text(ways: &[Technique]) -> String {
 
 /// All measurements, for programs.
 fn table(ways: &[Technique]) -> Table {
-    let row = |way: &Technique, m: &Measurement| {
-        Row::default()
+    let row = |way: &Technique, m: &LightSamplingMeasurement| {
+        TableRow::default()
             .cell("light_sampling", flag_name(m.way))
             .cell("spp", m.spp)
             .cell("seconds", m.seconds)
@@ -409,20 +414,20 @@ fn table(ways: &[Technique]) -> Table {
 
 /// Error over time and over samples, a curve for each way.
 fn figure(ways: &[Technique]) -> Figure {
-    let chart = |title: &str, label: &str, x: fn(&Measurement) -> f64| {
-        let point = |m: &Measurement| m.rmse().map(|rmse| [x(m), rmse]);
+    let diagram = |title: &str, label: &str, x: fn(&LightSamplingMeasurement) -> f64| {
+        let point = |m: &LightSamplingMeasurement| m.rmse().map(|rmse| [x(m), rmse]);
         let series = |way: &Technique| Series {
             name: flag_name(way.way),
             style: style_of(&way.way),
             curves: vec![way.measurements.iter().filter_map(point).collect()],
         };
-        Chart::log_log(title, [label, "RMSE (radiance)"], CHART, ways.iter().map(series).collect())
+        Diagram::log_log(title, [label, "RMSE (radiance)"], DIAGRAM, ways.iter().map(series).collect())
     };
-    let charts = vec![
-        chart("Error over time", "time (s)", |m| m.seconds),
-        chart("Error over samples", "samples per pixel", |m| f64::from(m.spp)),
+    let diagrams = vec![
+        diagram("Error over time", "time (s)", |m| m.seconds),
+        diagram("Error over samples", "samples per pixel", |m| f64::from(m.spp)),
     ];
-    Figure { charts }
+    Figure { diagrams }
 }
 
 #[cfg(test)]

@@ -6,12 +6,13 @@
 pub mod bench;
 pub(crate) mod camera_rays;
 pub mod compare;
-pub mod connections;
+pub(crate) mod connections;
 mod errors;
 pub mod estimate;
 mod fan;
-pub mod forecast;
+pub(crate) mod forecast;
 pub mod free;
+pub mod input_error;
 pub(crate) mod light_sampling;
 pub mod noise;
 mod pareto;
@@ -25,4 +26,4 @@ mod trade_off;
 pub(crate) mod way;
 pub mod window;
 
-pub use fan::{Fan, FanError, FanOptions};
+pub(crate) use fan::{Fan, FanError, FanOptions};

@@ -106,17 +106,17 @@ pub(super) fn test(a: &Image, b: &Image) -> Option<Noise> {
     let (columns, rows) = (cuts(a.size.0), cuts(a.size.1));
     noise.blocks = columns.len() * rows.len();
     for (color, (channel, variance)) in CHANNELS.into_iter().enumerate() {
-        let values = [a.plane(channel)?, b.plane(channel)?, a.plane(variance)?, b.plane(variance)?];
+        let values = [a.channel(channel)?, b.channel(channel)?, a.channel(variance)?, b.channel(variance)?];
         let at = |z: f64, x: &Range<usize>, y: &Range<usize>| Deviation {
             z,
             channel,
             window: Window { origin: (a.origin.0 + x.start, a.origin.1 + y.start), size: (x.len(), y.len()) },
         };
-        let mut whole = Sums::default();
+        let mut whole = RegionSums::default();
         for (x, y) in rows.iter().flat_map(|y| columns.iter().map(move |x| (x, y))) {
-            let mut block = Sums::default();
+            let mut block = RegionSums::default();
             for (row, column) in y.clone().flat_map(|row| x.clone().map(move |column| (row, column))) {
-                let Some(pixel) = Sums::of(values.map(|plane| plane[row * a.size.0 + column])) else {
+                let Some(pixel) = RegionSums::of(values.map(|plane| plane[row * a.size.0 + column])) else {
                     noise.non_finite += 1;
                     continue;
                 };
@@ -176,13 +176,13 @@ impl Pixels {
 
 /// Sums over the pixels of a region.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct RegionSums {
     difference: f64,
     variance: f64,
     rounding: f64,
 }
 
-impl Sums {
+impl RegionSums {
     /// Of one pixel: its values in A and B and their variances, if all are finite.
     fn of(values: [f32; 4]) -> Option<Self> {
         let [a, b, variance_a, variance_b] = values.map(f64::from);
@@ -211,7 +211,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
 
     use super::*;
-    use crate::film::Plane;
+    use crate::film::Channel;
 
     const SIZE: (usize, usize) = (80, 48);
 
@@ -230,17 +230,17 @@ mod tests {
     fn picture(mut value: impl FnMut() -> f32, variance: f32, seed: &str) -> Image {
         let count = SIZE.0 * SIZE.1;
         let mut plane =
-            |name: &str| Plane { name: name.to_owned(), values: (0..count).map(|_| value()).collect() };
-        let mut planes: Vec<Plane> = CHANNELS.iter().map(|(color, _)| plane(color)).collect();
+            |name: &str| Channel { name: name.to_owned(), values: (0..count).map(|_| value()).collect() };
+        let mut channels: Vec<Channel> = CHANNELS.iter().map(|(color, _)| plane(color)).collect();
         let variances =
-            CHANNELS.map(|(_, name)| Plane { name: name.to_owned(), values: vec![variance; count] });
-        planes.extend(variances);
+            CHANNELS.map(|(_, name)| Channel { name: name.to_owned(), values: vec![variance; count] });
+        channels.extend(variances);
         Image {
             width: 100,
             height: 100,
             origin: (10, 20),
             size: SIZE,
-            planes,
+            channels,
             attributes: [("seed", seed), ("spp", "16")].map(|(k, v)| (k.to_owned(), v.to_owned())).to_vec(),
         }
     }
@@ -313,8 +313,8 @@ mod tests {
                 let mean = samples.iter().sum::<f64>() / n;
                 let spread = samples.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
                 for channel in 0..3 {
-                    image.planes[channel].values[pixel] = mean as f32;
-                    image.planes[channel + 3].values[pixel] = (spread / n) as f32;
+                    image.channels[channel].values[pixel] = mean as f32;
+                    image.channels[channel + 3].values[pixel] = (spread / n) as f32;
                 }
             }
             image
@@ -330,7 +330,7 @@ mod tests {
     #[test]
     fn a_small_shift_of_the_whole_picture_is_seen_in_its_mean() {
         let (a, mut b) = (noisy(1, 0.04), noisy(2, 0.04));
-        b.planes[1].values.iter_mut().for_each(|value| *value += 0.03);
+        b.channels[1].values.iter_mut().for_each(|value| *value += 0.03);
         let noise = test(&a, &b).unwrap();
         let largest = noise.largest.clone().unwrap();
         assert!(!noise.explains() && largest.z < 0.0, "{noise:?}");
@@ -341,7 +341,7 @@ mod tests {
     fn a_shift_of_one_block_is_seen_where_it_is() {
         let (a, mut b) = (noisy(1, 0.04), noisy(2, 0.04));
         for y in 32..48 {
-            b.planes[2].values[y * SIZE.0 + 16..y * SIZE.0 + 32].iter_mut().for_each(|value| *value -= 0.2);
+            b.channels[2].values[y * SIZE.0 + 16..y * SIZE.0 + 32].iter_mut().for_each(|value| *value -= 0.2);
         }
         let noise = test(&a, &b).unwrap();
         let largest = noise.largest.clone().unwrap();
@@ -362,8 +362,8 @@ mod tests {
     #[test]
     fn values_that_are_not_finite_are_left_out() {
         let (mut a, b) = (noisy(1, 0.04), noisy(2, 0.04));
-        a.planes[0].values[5] = f32::NAN;
-        a.planes[4].values[6] = f32::INFINITY;
+        a.channels[0].values[5] = f32::NAN;
+        a.channels[4].values[6] = f32::INFINITY;
         let noise = test(&a, &b).unwrap();
         assert!(noise.non_finite == 2 && noise.explains());
         assert_eq!(noise.pixels.tested, 3 * SIZE.0 * SIZE.1 - 2);

@@ -1,7 +1,7 @@
 //! Pareto fronts: what nothing else beats in everything.
 
-/// Which `points` no other point beats: is at least as small in both values, and smaller in one. Points with a value
-/// that is not finite are never on the front.
+/// Front of `points`: true for those that no other point beats, that is, is at least as small in both values, and
+/// smaller in one. Points with a value that is not finite are never on the front.
 pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
     let beats = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;
     let finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());

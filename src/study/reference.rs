@@ -2,7 +2,7 @@
 
 use std::iter::zip;
 
-use super::compare::{EPSILON, Mismatch, Pair};
+use super::compare::{EPSILON, Mismatch, PicturePair};
 use super::noise::CHANNELS;
 use crate::film::Image;
 
@@ -32,7 +32,7 @@ impl Reference {
     /// # Errors
     /// If it has no colours, is not whole, or not of this size.
     pub fn given(image: Image, name: &str, size: (usize, usize)) -> Result<Self, Mismatch> {
-        Pair::new((name, &image), (name, &image))?;
+        PicturePair::new((name, &image), (name, &image))?;
         if (image.width, image.height) != size {
             let (width, height) = (image.width, image.height);
             let cause = format!(
@@ -56,11 +56,11 @@ impl Reference {
             zip(values, other).map(|(&a, &b)| 0.5 * (f64::from(a) - f64::from(b))).collect()
         };
         let halves = CHANNELS.map(|(color, _)| {
-            let values = |image: &Image| image.plane(color).unwrap_or_default().to_vec();
+            let values = |image: &Image| image.channel(color).unwrap_or_default().to_vec();
             half(&values(&first), &values(second))
         });
-        for plane in &mut first.planes {
-            let other = second.plane(&plane.name).unwrap_or_default();
+        for plane in &mut first.channels {
+            let other = second.channel(&plane.name).unwrap_or_default();
             plane.values.iter_mut().zip(other).for_each(|(a, &b)| *a = 0.5 * (*a + b));
         }
         let noise = Variances::of(&first, |pixel| {
@@ -73,12 +73,12 @@ impl Reference {
 }
 
 impl Variances {
-    /// As the variance planes of `image` tell, if it has them.
+    /// As the variance channels of `image` tell, if it has them.
     fn of_planes(image: &Image) -> Option<Self> {
-        let [r, g, b] = CHANNELS.map(|(_, variance)| image.plane(variance));
-        let planes = [r?, g?, b?];
+        let [r, g, b] = CHANNELS.map(|(_, variance)| image.channel(variance));
+        let channels = [r?, g?, b?];
         Some(Self::of(image, |pixel| {
-            let variances = planes.map(|plane| f64::from(plane[pixel]).max(0.0));
+            let variances = channels.map(|plane| f64::from(plane[pixel]).max(0.0));
             // As if the colours varied together.
             let mean = variances.iter().map(|variance| variance.sqrt()).sum::<f64>() / 3.0;
             (variances, mean * mean)
@@ -96,7 +96,7 @@ impl Variances {
             }
             sums.mean += mean;
             for ((color, _), variance) in zip(CHANNELS, colors) {
-                let value = image.plane(color).map_or(0.0, |plane| f64::from(plane[pixel]));
+                let value = image.channel(color).map_or(0.0, |plane| f64::from(plane[pixel]));
                 sums.mse += variance;
                 sums.relmse += variance / (value * value + EPSILON);
             }
@@ -109,10 +109,10 @@ impl Variances {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Plane;
+    use crate::film::Channel;
 
     fn picture(colors: [&[f32]; 3]) -> Image {
-        let plane = |((name, _), values): ((&str, &str), &[f32])| Plane {
+        let plane = |((name, _), values): ((&str, &str), &[f32])| Channel {
             name: name.to_owned(),
             values: values.to_vec(),
         };
@@ -122,7 +122,7 @@ mod tests {
             height: size.1,
             origin: (0, 0),
             size,
-            planes: zip(CHANNELS, colors).map(plane).collect(),
+            channels: zip(CHANNELS, colors).map(plane).collect(),
             attributes: Vec::new(),
         }
     }
@@ -132,7 +132,7 @@ mod tests {
         let first = picture([&[1.0, 0.0], &[1.0, 0.0], &[1.0, 0.0]]);
         let second = picture([&[3.0, 0.0], &[1.0, 0.0], &[1.0, 0.0]]);
         let reference = Reference::of_halves(first, &second);
-        assert_eq!(reference.image.plane("R"), Some(&[2.0, 0.0][..]));
+        assert_eq!(reference.image.channel("R"), Some(&[2.0, 0.0][..]));
         // One value in six has a variance of 1; the mean of its pixel one of 1/9.
         let expected = Variances { mse: 1.0 / 6.0, relmse: 1.0 / 4.01 / 6.0, mean: 1.0 / 36.0 };
         let noise = reference.noise.unwrap();
@@ -147,7 +147,7 @@ mod tests {
         let noise = |image: Image| Reference::given(image, "b.exr", (2, 1)).unwrap().noise;
         assert_eq!(noise(image.clone()), None);
         for (_, name) in CHANNELS {
-            image.planes.push(Plane { name: name.to_owned(), values: vec![0.25, 0.0] });
+            image.channels.push(Channel { name: name.to_owned(), values: vec![0.25, 0.0] });
         }
         let found = noise(image).unwrap();
         assert!((found.mse - 0.125).abs() < 1e-12 && (found.mean - 0.25 / 4.0).abs() < 1e-12, "{found:?}");
@@ -162,7 +162,7 @@ mod tests {
         assert!(message.contains("2x1") && message.contains("4x3") && message.contains("b.exr"), "{message}");
         let part = Image { width: 4, ..image.clone() };
         assert!(refused(&part, (4, 1)).contains("a part"));
-        let gray = Image { planes: image.planes[..1].to_vec(), ..image };
+        let gray = Image { channels: image.channels[..1].to_vec(), ..image };
         assert!(refused(&gray, (2, 1)).contains("channel G"));
     }
 }

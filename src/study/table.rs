@@ -10,9 +10,9 @@ pub const NONE: &str = "–";
 
 /// A row: the name of each column and the cell in it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Row(Vec<(String, String)>);
+pub struct TableRow(Vec<(String, String)>);
 
-impl Row {
+impl TableRow {
     /// Adds a cell.
     #[must_use]
     pub fn cell(mut self, column: impl Into<String>, cell: impl ToString) -> Self {
@@ -44,11 +44,11 @@ impl Row {
 
 /// Rows with the same columns.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table(Vec<Row>);
+pub struct Table(Vec<TableRow>);
 
 impl Table {
     /// A table of `rows`, of which the first one names the columns.
-    pub fn of(rows: impl IntoIterator<Item = Row>) -> Self {
+    pub fn of(rows: impl IntoIterator<Item = TableRow>) -> Self {
         Self(rows.into_iter().collect())
     }
 
@@ -83,7 +83,7 @@ impl Table {
     /// Writes the table as CSV.
     ///
     /// # Errors
-    /// What `out` reports.
+    /// Errors of `out`.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(out);
         self.lines().try_for_each(|line| writer.write_record(line)).map_err(io_error)?;
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_table_reads_the_same_in_markdown_and_csv() {
-        let row = |name: &str, value| Row::default().cell("name", name).maybe("value", value);
+        let row = |name: &str, value| TableRow::default().cell("name", name).maybe("value", value);
         let table = Table::of([row("a, b", Some(0.5)), row("c", None)]);
         assert_eq!(
             table.markdown(),

@@ -1,5 +1,5 @@
-//! The trade of speed for accuracy where nothing is in the way of rays: errors and costs of ways to follow them, against
-//! where they end exactly.
+//! The trade of speed for accuracy where nothing is in the way of rays: errors and costs of ways to follow them,
+//! against where they end exactly.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,13 +9,14 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::errors::{Spread, angle, median};
-use super::free::{self, Accuracy, Arrival, Fault, FreeRay, Status};
+use super::free::{self, Accuracy, Arrival, FreeRay, FreeRayEnd};
+use super::input_error::InputError;
 use super::report::Report;
 use super::rounds::Study;
-use super::table::{NONE, Row, percent, scientific};
+use super::table::{NONE, TableRow, percent, scientific};
 use super::trade_off::{self, TradeOff, broad, over_front, through};
 use super::way::Way;
-use crate::plot::{Chart, Figure};
+use crate::plot::{Diagram, Figure};
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::SpacetimeKind;
 
@@ -34,14 +35,14 @@ pub struct Case {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
     /// Status at the end.
-    pub status: Status,
+    pub status: FreeRayEnd,
     /// Crossing of its sphere, if it escapes.
-    pub crossing: Option<Crossing>,
+    pub crossing: Option<ExactCrossing>,
 }
 
 /// Crossing of a ray with its sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub struct ExactCrossing {
     /// Position, in the chart.
     pub position: DVec3,
     /// Unit direction of travel.
@@ -52,7 +53,7 @@ pub struct Crossing {
 
 /// Errors of the ends of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Errors {
+struct TableRayErrors {
     /// Rays.
     rays: usize,
     /// Those of them that escape and should; the errors are theirs.
@@ -82,9 +83,9 @@ struct Honesty {
 
 /// A way to follow rays, measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Measurement {
+struct TableRayMeasurement {
     setting: Accuracy,
-    errors: Errors,
+    errors: TableRayErrors,
     /// Thread time of a ray, nanoseconds; the median over the rounds.
     ns_per_ray: f64,
     /// Steps tried per ray.
@@ -94,11 +95,11 @@ struct Measurement {
 /// A ray that cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("ray {index}: {fault}")]
-pub struct Refusal {
-    /// Which one.
+pub struct TableRayError {
+    /// Its number.
     pub index: usize,
     /// Fault of the ray.
-    pub fault: Fault,
+    pub fault: InputError,
 }
 
 /// Accuracy with which rays are followed whose ends are not known.
@@ -109,16 +110,16 @@ const LEAST_SECONDS: f64 = 0.05;
 /// Rays that a thread takes at once.
 const GRAIN: usize = 64;
 /// Size of one diagram, points.
-const CHART: [f64; 2] = [520.0, 460.0];
+const DIAGRAM: [f64; 2] = [520.0, 460.0];
 
 impl Exact {
     /// The end of `ray` as the most exact stepper finds it.
     ///
     /// # Errors
     /// As [`free::trace`].
-    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, Fault> {
+    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, InputError> {
         let exit = free::trace(spacetime, ray, &EXACT)?;
-        let crossing = exit.crossing.map(|crossing| Crossing {
+        let crossing = exit.crossing.map(|crossing| ExactCrossing {
             position: crossing.position,
             direction: crossing.direction,
             sens: crossing.sens,
@@ -134,7 +135,7 @@ pub struct TableRays<'a> {
     /// Without one, rayon's own.
     pool: Option<ThreadPool>,
     /// Of the settings: errors, and steps tried per ray.
-    found: Vec<(Errors, f64)>,
+    found: Vec<(TableRayErrors, f64)>,
     /// Number of times that all rays are followed in one measurement, by setting.
     repeats: Vec<usize>,
 }
@@ -142,23 +143,23 @@ pub struct TableRays<'a> {
 impl Study for TableRays<'_> {
     type Sample = f64;
     type Findings = Report;
-    type Error = Refusal;
+    type Error = TableRayError;
 
     fn settings(&self) -> usize {
         self.settings.len()
     }
 
-    fn prepare(&mut self, setting: usize) -> Result<(), Refusal> {
+    fn prepare(&mut self, setting: usize) -> Result<(), TableRayError> {
         let accuracy = self.settings[setting];
         let arrivals = self.arrivals(&accuracy)?;
         let steps: f64 = arrivals.iter().map(|arrival| f64::from(arrival.steps)).sum();
-        let errors = Errors::of(self.cases, &arrivals, accuracy.tolerance);
+        let errors = TableRayErrors::of(self.cases, &arrivals, accuracy.tolerance);
         self.found.push((errors, steps / self.cases.len() as f64));
         Ok(())
     }
 
     /// Thread time of a ray, nanoseconds, over as many repeats of all rays as it takes, which are kept for next time.
-    fn measure(&mut self, setting: usize) -> Result<f64, Refusal> {
+    fn measure(&mut self, setting: usize) -> Result<f64, TableRayError> {
         let count = self.cases.len();
         loop {
             let rays = count * self.repeats[setting];
@@ -175,8 +176,8 @@ impl Study for TableRays<'_> {
 
     fn conclude(self, samples: Vec<Vec<f64>>) -> Report {
         let measured = self.settings.iter().zip(&self.found).zip(&samples);
-        let measurements: Vec<Measurement> = measured
-            .map(|((&setting, &(errors, steps_per_ray)), times)| Measurement {
+        let measurements: Vec<TableRayMeasurement> = measured
+            .map(|((&setting, &(errors, steps_per_ray)), times)| TableRayMeasurement {
                 setting,
                 errors,
                 ns_per_ray: median(times, |time| *time),
@@ -202,9 +203,9 @@ impl<'a> TableRays<'a> {
         }
     }
 
-    fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, Refusal> {
+    fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, TableRayError> {
         let arrive = |(index, case): (usize, &Case)| {
-            free::arrive(case.spacetime, &case.ray, accuracy).map_err(|fault| Refusal { index, fault })
+            free::arrive(case.spacetime, &case.ray, accuracy).map_err(|fault| TableRayError { index, fault })
         };
         self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
     }
@@ -222,7 +223,7 @@ impl<'a> TableRays<'a> {
     }
 }
 
-impl Errors {
+impl TableRayErrors {
     fn of(cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
         let (mut direction, mut direction_over_sens) = (Vec::new(), Vec::new());
         let (mut position, mut position_over_sens) = (Vec::new(), Vec::new());
@@ -258,7 +259,7 @@ impl Errors {
     }
 }
 
-impl TradeOff for Measurement {
+impl TradeOff for TableRayMeasurement {
     /// 99th percentile of the error of direction at the start, radians, and time per ray, nanoseconds.
     fn place(&self) -> [f64; 2] {
         [self.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.p99), self.ns_per_ray]
@@ -268,7 +269,7 @@ impl TradeOff for Measurement {
         self.setting.into()
     }
 
-    fn printed(&self, row: Row) -> Row {
+    fn printed(&self, row: TableRow) -> TableRow {
         let errors = &self.errors;
         let honest = |text: fn(Honesty) -> String| errors.honesty.map_or(NONE.to_owned(), text);
         row.cell("median/sens", scientific(errors.direction_over_sens.map(|spread| spread.median), 1))
@@ -281,7 +282,7 @@ impl TradeOff for Measurement {
             .cell("steps/ray", format!("{:.2}", self.steps_per_ray))
     }
 
-    fn row(&self, row: Row) -> Row {
+    fn row(&self, row: TableRow) -> TableRow {
         let errors = &self.errors;
         let parts = [Spread::MEDIAN, Spread::P99, Spread::MAX];
         row.cell("rays", errors.rays)
@@ -297,31 +298,33 @@ impl TradeOff for Measurement {
             .cell("steps_per_ray", self.steps_per_ray)
     }
 
-    /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the tolerance.
+    /// Work against precision, time per ray over the 99th percentile of the error; and the largest error over the
+    /// tolerance.
     fn figure(all: &[Self]) -> Figure {
         let at = |place: &dyn Fn(&Self) -> [f64; 2]| -> Vec<(Way, [f64; 2])> {
             all.iter().map(|m| (m.way(), place(m))).collect()
         };
         let error = "angle at the end / sens (radians)";
-        let largest = |m: &Measurement| m.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.max);
+        let largest =
+            |m: &TableRayMeasurement| m.errors.direction_over_sens.map_or(f64::NAN, |spread| spread.max);
         let kept = at(&|m| [m.setting.tolerance, largest(m)]);
         let allowed = all.iter().map(|m| [m.setting.tolerance; 2]).collect();
-        let charts = vec![
+        let diagrams = vec![
             over_front(
                 "Work and precision, 99 % of the rays",
                 [error, "time per ray (ns)"],
-                CHART,
-                &at(&Measurement::place),
+                DIAGRAM,
+                &at(&TableRayMeasurement::place),
             ),
-            Chart::log_log(
+            Diagram::log_log(
                 "Largest error (grey: the tolerance)",
                 ["tolerance (radians)", error],
-                CHART,
+                DIAGRAM,
                 through(&kept),
             )
             .over(broad("error = tolerance", allowed)),
         ];
-        Figure { charts }
+        Figure { diagrams }
     }
 }
 
@@ -331,8 +334,8 @@ mod tests {
 
     fn case(sens: f64) -> Case {
         let ray = FreeRay { start: DVec3::X, direction: DVec3::X, r_out: 2.0 };
-        let crossing = Crossing { position: 2.0 * DVec3::X, direction: DVec3::X, sens };
-        let exact = Exact { status: Status::Escaped, crossing: Some(crossing) };
+        let crossing = ExactCrossing { position: 2.0 * DVec3::X, direction: DVec3::X, sens };
+        let exact = Exact { status: FreeRayEnd::Escaped, crossing: Some(crossing) };
         Case { spacetime: SpacetimeKind::Flat, ray, exact }
     }
 
@@ -340,22 +343,22 @@ mod tests {
     fn errors_are_those_computed_by_hand() {
         let arrival = |status, off: f64| Arrival {
             status,
-            crossing: (status == Status::Escaped).then(|| (DVec3::new(2.0, off, 0.0), DVec3::X)),
+            crossing: (status == FreeRayEnd::Escaped).then(|| (DVec3::new(2.0, off, 0.0), DVec3::X)),
             steps: 1,
         };
         let cases = [case(1.0), case(10.0), case(1.0), case(1.0)];
         let arrivals = [
-            arrival(Status::Escaped, 0.02),
-            arrival(Status::Escaped, 0.02),
-            arrival(Status::Captured, 0.0),
-            arrival(Status::Escaped, 0.0),
+            arrival(FreeRayEnd::Escaped, 0.02),
+            arrival(FreeRayEnd::Escaped, 0.02),
+            arrival(FreeRayEnd::Captured, 0.0),
+            arrival(FreeRayEnd::Escaped, 0.0),
         ];
-        let errors = Errors::of(&cases, &arrivals, 5e-3);
+        let errors = TableRayErrors::of(&cases, &arrivals, 5e-3);
         assert_eq!((errors.rays, errors.compared, errors.differ), (4, 3, 0.25));
         assert_eq!(errors.direction.unwrap().max, 0.0);
         assert_eq!(errors.position.unwrap().max, 0.01);
         assert_eq!(errors.position_over_sens.unwrap().median, 0.001);
         assert_eq!(errors.honesty, Some(Honesty { above: 1.0 / 3.0, worst: 2.0 }));
-        assert_eq!(Errors::of(&cases[2..3], &arrivals[2..3], 1.0).honesty, None);
+        assert_eq!(TableRayErrors::of(&cases[2..3], &arrivals[2..3], 1.0).honesty, None);
     }
 }

@@ -2,9 +2,9 @@
 
 use super::pareto::front;
 use super::report::Report;
-use super::table::{Row, Table};
+use super::table::{Table, TableRow};
 use super::way::Way;
-use crate::plot::{Chart, Color, Figure, Series, Style};
+use crate::plot::{Color, Diagram, Figure, Series, Style};
 use crate::scene::{Precision, flag_name};
 
 /// Width of the line behind curves, points.
@@ -17,9 +17,9 @@ pub(super) trait TradeOff: Sized {
     /// Error and cost that the front is judged by.
     fn place(&self) -> [f64; 2];
     /// Adds the cells that people read, after those of the way.
-    fn printed(&self, row: Row) -> Row;
+    fn printed(&self, row: TableRow) -> TableRow;
     /// Adds the cells that programs read.
-    fn row(&self, row: Row) -> Row;
+    fn row(&self, row: TableRow) -> TableRow;
     /// Diagrams of all measurements.
     fn figure(all: &[Self]) -> Figure;
 }
@@ -29,10 +29,10 @@ pub(super) fn report<M: TradeOff>(measurements: &[M]) -> Report {
     let on_front = front(&measurements.iter().map(M::place).collect::<Vec<_>>());
     let rows = || measurements.iter().zip(&on_front);
     let printed = |(m, on): (&M, &bool)| {
-        let row = Row::default().cell("front", if *on { "*" } else { "" });
+        let row = TableRow::default().cell("front", if *on { "*" } else { "" });
         m.printed(m.way().printed(row))
     };
-    let row = |(m, on): (&M, &bool)| m.row(m.way().row(Row::default())).cell("pareto", u8::from(*on));
+    let row = |(m, on): (&M, &bool)| m.row(m.way().row(TableRow::default())).cell("pareto", u8::from(*on));
     Report {
         text: Table::of(rows().map(printed)).markdown(),
         table: Table::of(rows().map(row)),
@@ -40,16 +40,16 @@ pub(super) fn report<M: TradeOff>(measurements: &[M]) -> Report {
     }
 }
 
-/// A chart of curves through `points` over their Pareto front.
+/// A diagram of curves through `points` over their Pareto front.
 pub(super) fn over_front(
     title: &str,
     labels: [&str; 2],
     size: [f64; 2],
     points: &[(Way, [f64; 2])],
-) -> Chart {
+) -> Diagram {
     let places: Vec<[f64; 2]> = points.iter().map(|(_, place)| *place).collect();
     let best = places.iter().zip(front(&places)).filter(|(_, on_front)| *on_front).map(|(place, _)| *place);
-    Chart::log_log(title, labels, size, through(points)).over(broad("Pareto front", best.collect()))
+    Diagram::log_log(title, labels, size, through(points)).over(broad("Pareto front", best.collect()))
 }
 
 /// A broad pale line through `points`, from left to right.

@@ -1,7 +1,7 @@
 //! Ways to follow rays, and combinations of them that are worth a measurement.
 
 use super::free::Accuracy;
-use super::table::{NONE, Row};
+use super::table::{NONE, TableRow};
 use crate::geodesic::Control;
 use crate::scene::{Precision, Schedule, Settings, StepperKind, flag_name};
 
@@ -46,8 +46,8 @@ impl From<Accuracy> for Way {
 }
 
 impl Way {
-    /// All combinations, but only tolerances that a precision has, and for the paper's stepper, which knows neither, one
-    /// setting per schedule.
+    /// All combinations, but only tolerances that a precision has, and for the paper's stepper, which knows neither,
+    /// one setting per schedule.
     pub fn grid(
         steppers: &[StepperKind],
         precisions: &[Precision],
@@ -77,17 +77,17 @@ impl Way {
     }
 
     /// Adds the cells that people read.
-    pub(super) fn printed(&self, row: Row) -> Row {
+    pub(super) fn printed(&self, row: TableRow) -> TableRow {
         let tolerance = self.tolerance.map_or(NONE.to_owned(), |tolerance| format!("{tolerance:e}"));
         self.cells(row, tolerance)
     }
 
     /// Adds the cells that programs read.
-    pub(super) fn row(&self, row: Row) -> Row {
+    pub(super) fn row(&self, row: TableRow) -> TableRow {
         self.cells(row, self.tolerance.map_or_else(String::new, |tolerance| tolerance.to_string()))
     }
 
-    fn cells(&self, row: Row, tolerance: String) -> Row {
+    fn cells(&self, row: TableRow, tolerance: String) -> TableRow {
         let row = row
             .cell("stepper", flag_name(self.stepper))
             .cell("precision", flag_name(self.precision))

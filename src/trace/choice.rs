@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::curved::march::{March, march, march_by};
-use super::curved::worlds::{TwoWorlds, World};
+use super::curved::worlds::{OneWorld, TwoWorlds};
 use super::curved::{Curved, Lane};
 use super::paper::PaperMarch;
 use super::straight::Straight;
@@ -70,8 +70,8 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
         let chart = Chart::new(&medium, nearest, farthest);
         let arc_tolerance = scene.arc_tolerance_around(center);
-        let worlds = World::new(center, Some(&scene.geometry), arc_tolerance);
-        let place = Place { medium, worlds, sky, chart, arc_tolerance };
+        let worlds = OneWorld::new(center, Some(&scene.geometry), arc_tolerance);
+        let place = CenteredMedium { medium, worlds, sky, chart, arc_tolerance };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),
             Precision::F64 => place.run::<f64, E>(scene, visitor),
@@ -83,10 +83,11 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let arc_tolerance = scene.arc_tolerance();
         let reach = |side| scene.geometry.of(side)?.radii(mouths.center(side));
         let farthest = Side::BOTH.into_iter().filter_map(reach).fold(0.0, |most, (_, r)| r.max(most));
-        let world = |side| World::new(mouths.center(side), scene.geometry.of(side), arc_tolerance);
+        let world = |side| OneWorld::new(mouths.center(side), scene.geometry.of(side), arc_tolerance);
         let (near, far) = (world(Side::Near), world(Side::Far));
         let worlds = TwoWorlds { near, far, mouths, throat: medium.throat() };
-        let place = Place { medium, worlds, sky, chart: Chart::to_throat(&medium, farthest), arc_tolerance };
+        let place =
+            CenteredMedium { medium, worlds, sky, chart: Chart::to_throat(&medium, farthest), arc_tolerance };
         match scene.settings.precision {
             Precision::F32 => visitor.run(place.through::<f32>(scene)),
             Precision::F64 => visitor.run(place.through::<f64>(scene)),
@@ -95,7 +96,7 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 }
 
 /// A spacetime in its place.
-struct Place<M, W> {
+struct CenteredMedium<M, W> {
     medium: M,
     worlds: W,
     /// True if the directions of escaped rays at infinity matter.
@@ -105,9 +106,9 @@ struct Place<M, W> {
     arc_tolerance: f64,
 }
 
-impl<M: ConformallyFlat> Place<M, World> {
+impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
     fn run<R: Lane, E: TransportVisitor>(self, scene: &Baked, visitor: E) -> E::Output {
-        let Self { medium, worlds: World { center, .. }, chart, .. } = self;
+        let Self { medium, worlds: OneWorld { center, .. }, chart, .. } = self;
         let control = self.control::<R>(scene);
         match march(medium, scene.settings.stepper, control, R::of(chart.outer)) {
             Some(march) => visitor.run(self.curved(scene, control, march)),
@@ -116,7 +117,7 @@ impl<M: ConformallyFlat> Place<M, World> {
     }
 }
 
-impl<M: ConformallyFlat> Place<M, TwoWorlds> {
+impl<M: ConformallyFlat> CenteredMedium<M, TwoWorlds> {
     /// Rays through a throat; the paper's scheme, which knows none, gives way to the default, as `bake` says.
     fn through<R: Lane>(self, scene: &Baked) -> Curved<M, R, TwoWorlds> {
         let (control, outer) = (self.control::<R>(scene), R::of(self.chart.outer));
@@ -126,7 +127,7 @@ impl<M: ConformallyFlat> Place<M, TwoWorlds> {
     }
 }
 
-impl<M: ConformallyFlat, W> Place<M, W> {
+impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
     fn control<R: Lane>(&self, scene: &Baked) -> Control<R> {
         Control::new(&self.medium, scene.settings.tolerance, self.arc_tolerance)
     }

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time beyond the limit in which every pixel may still get its first sample: with what a round of rays takes, an answer
-/// comes within a second.
+/// Time beyond the limit in which every pixel may still get its first sample: with what a round of rays takes, an
+/// answer comes within a second.
 const GRACE: Duration = Duration::from_millis(700);
 
 /// Tells loops that may last long when to give up: once due, it stays due. The default never is.

@@ -6,7 +6,7 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
     EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
-    Straight, Target, Throat,
+    StraightAim, Target, Transmission,
 };
 use crate::scene::{Baked, LightSampling};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
@@ -23,9 +23,9 @@ pub struct Illumination {
     pub heuristic: Option<Heuristic>,
 }
 
-/// End of a ray that found light.
+/// LightEnd of a ray that found light.
 #[derive(Clone, Copy, Debug)]
-pub enum End<'a> {
+pub enum LightEnd<'a> {
     /// A surface, with its unit normal.
     Surface(&'a Landing, DVec3),
     /// At infinity.
@@ -64,13 +64,13 @@ impl Illumination {
         }
         let straight = settings.light_sampling == LightSampling::Straight;
         let sampler: Box<dyn LightSampler> =
-            if straight { Box::new(Straight) } else { Box::new(transport.aim(settings.max_winding)?) };
+            if straight { Box::new(StraightAim) } else { Box::new(transport.aim(settings.max_winding)?) };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor)
                 .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
-            Some((mouths, metric)) => lights.through(Throat {
+            Some((mouths, metric)) => lights.through(Transmission {
                 mouths,
                 radius: metric.throat(),
                 critical: metric.critical_impact_parameter(),
@@ -120,7 +120,7 @@ impl Illumination {
     }
 
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.
-    pub fn density(&self, vertex: &Vertex, end: End) -> f64 {
+    pub fn density(&self, vertex: &Vertex, end: LightEnd) -> f64 {
         let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);
         if vertex.after_specular {
@@ -129,12 +129,12 @@ impl Illumination {
         }
         let (lights, out) = (&self.lights, vertex.direction);
         let density = match end {
-            End::Surface(landing, normal) => {
+            LightEnd::Surface(landing, normal) => {
                 let Landing { primitive, position, direction: arrival } = *landing;
                 let hit = EmitterHit { primitive, position, normal, arrival };
                 self.sampler.surface_density(lights, &receiver, out, &hit)
             }
-            End::AtInfinity(there) => self.sampler.sky_density(lights, &receiver, out, there),
+            LightEnd::AtInfinity(there) => self.sampler.sky_density(lights, &receiver, out, there),
         };
         (1.0 - near.map_or(0.0, |near| near.share)) * density
     }

@@ -1,7 +1,7 @@
 //! Landings on the ray itself: from where a move's segment meets a surface to where the ray arrives there.
 //!
-//! A transport whose segments only come near its rays repeats the step in part, until Newton's method has found the part
-//! that ends on the surface.
+//! A transport whose segments only come near its rays repeats the step in part, until Newton's method has found the
+//! part that ends on the surface.
 
 use glam::DVec3;
 
@@ -22,13 +22,13 @@ pub trait Retrace: Transport {
     fn part_near(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> f64;
 
     /// Pose after a part of a step.
-    fn pose(&self, span: &Self::Span, part: &Part) -> Pose;
+    fn pose(&self, span: &Self::Span, part: &PartialStep) -> Pose;
 
     /// Poses after parts of blocks of steps.
     fn pose_all(
         &self,
         spans: &[<Self::Span as Row>::Block],
-        parts: &[<Part as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     );
 
@@ -41,7 +41,7 @@ pub trait Retrace: Transport {
 
 columns! {
     /// The part of a step that leads near a supporting surface.
-    pub struct Part => PartBlock {
+    pub struct PartialStep => PartialStepBlock {
         /// The part.
         s: f64,
         /// True if it leads so near that no step is needed for the rest.
@@ -71,7 +71,7 @@ columns! {
 
 columns! {
     /// Arrival of a ray at a supporting surface.
-    pub struct Arrival => ArrivalBlock {
+    pub struct SurfaceArrival => SurfaceArrivalBlock {
         /// World position.
         position: DVec3,
         /// Unit direction of travel.
@@ -109,14 +109,14 @@ impl Correcting {
 impl Kernel for Correcting {
     type A = SupportingSurface;
     type B = Pose;
-    type Out = Part;
+    type Out = PartialStep;
 
     #[inline(always)]
-    fn run(&self, support: &SupportingSurface, pose: &Pose) -> Part {
+    fn run(&self, support: &SupportingSurface, pose: &Pose) -> PartialStep {
         let ahead = pose.ahead(support);
         let is_near = (ahead * pose.inverse_scale).abs() < self.near;
         let shift = if is_near { 0.0 } else { ahead / pose.speed };
-        Part { s: pose.s + shift, is_near }
+        PartialStep { s: pose.s + shift, is_near }
     }
 }
 
@@ -127,10 +127,10 @@ struct Arriving;
 impl Kernel for Arriving {
     type A = SupportingSurface;
     type B = Pose;
-    type Out = Arrival;
+    type Out = SurfaceArrival;
 
     #[inline(always)]
-    fn run(&self, support: &SupportingSurface, pose: &Pose) -> Arrival {
+    fn run(&self, support: &SupportingSurface, pose: &Pose) -> SurfaceArrival {
         let (tangent, ahead) = (pose.tangent, pose.ahead(support));
         let turned = (ahead * pose.curvature) * pose.bend;
         let position = pose.position + ahead * (tangent + 0.5 * turned);
@@ -138,7 +138,7 @@ impl Kernel for Arriving {
         let direction = tangent + turned;
         let direction = direction / direction.length();
         let position = position - (height / normal.dot(direction)) * direction;
-        Arrival { position, direction, s: pose.s + ahead / pose.speed }
+        SurfaceArrival { position, direction, s: pose.s + ahead / pose.speed }
     }
 }
 
@@ -148,9 +148,9 @@ pub struct RayLandings<S: Row> {
     pub hits: Vec<(usize, Found)>,
     spans: Columns<S>,
     supports: Columns<SupportingSurface>,
-    parts: Columns<Part>,
+    parts: Columns<PartialStep>,
     poses: Columns<Pose>,
-    arrivals: Columns<Arrival>,
+    arrivals: Columns<SurfaceArrival>,
     between: Search<Line>,
 }
 
@@ -175,9 +175,9 @@ fn approach<T: Retrace>(
     geometry: &Geometry,
     (flight, step): (&T::Flight, &T::Move),
     found: Found,
-) -> (T::Span, SupportingSurface, Part) {
+) -> (T::Span, SupportingSurface, PartialStep) {
     let s = transport.part_near(flight, step, found.point);
-    (transport.span(flight, step), geometry.support(found.primitive), Part { s, is_near: false })
+    (transport.span(flight, step), geometry.support(found.primitive), PartialStep { s, is_near: false })
 }
 
 /// Moves a crossing from the segment to the ray, where that stays on the primitive and beside nothing else.
@@ -232,7 +232,8 @@ pub fn land_all_on_rays<T: Retrace>(
             let (part, pose) =
                 (&mut parts.blocks_mut(lanes)[of.clone()], &mut poses.blocks_mut(lanes)[of.clone()]);
             map(&correcting, &supports.blocks(lanes)[of.clone()], pose, part);
-            if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| Part::get(&part[0], i).is_near) {
+            if (LANES * block..lanes.min(LANES * (block + 1))).all(|i| PartialStep::get(&part[0], i).is_near)
+            {
                 break;
             }
             transport.pose_all(&spans.blocks(lanes)[of.clone()], part, pose);
@@ -254,7 +255,7 @@ pub fn land_all_on_rays<T: Retrace>(
 }
 
 /// First primitive between where the segment meets a primitive and where the ray does.
-fn first_between(geometry: &Geometry, found: Found, arrival: &Arrival) -> Option<PrimitiveId> {
+fn first_between(geometry: &Geometry, found: Found, arrival: &SurfaceArrival) -> Option<PrimitiveId> {
     let way = Line { p0: found.point, p2: arrival.position };
     geometry.intersect(&way, found.primitive).map(|hit| hit.primitive)
 }
@@ -265,12 +266,12 @@ fn land<T: Retrace>(
     transport: &T,
     geometry: &Geometry,
     found: Found,
-    arrival: &Arrival,
+    arrival: &SurfaceArrival,
     ray: impl Fn() -> (T::Flight, T::Move),
     between: impl FnOnce() -> Option<PrimitiveId>,
 ) -> Landing {
     let Found { point, primitive } = found;
-    let Arrival { position, direction, s } = *arrival;
+    let SurfaceArrival { position, direction, s } = *arrival;
     let moved = position.distance(point);
     if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
         // Both ends lie on the primitive's supporting surface: what shares that cannot stand between them.

@@ -1,15 +1,14 @@
 //! From baked tables to a picture.
 //!
-//! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling, cuts
-//! the picture into tiles and the samples into passes, and has worker threads run the [`stages`] over them; [`render`] is
-//! a loop around it.
+//! A [`Session`] chooses a [`transport`] for the scene's spacetime and a schedule, learns what helps light sampling,
+//! cuts the picture into tiles and the samples into passes, and has worker threads run the `stages` over them;
+//! [`render`] is a loop around it.
 //!
 #![doc = include_str!("wavefront.md")]
 
 mod choice;
 pub mod curved;
 mod edge_pixels;
-mod fate;
 mod halt;
 mod illumination;
 mod job;
@@ -22,16 +21,17 @@ mod per_pixel;
 mod polyline;
 mod probe;
 mod ray_batch;
+mod ray_end;
 mod render;
 mod run;
 mod samples;
 mod session;
 mod shoot;
 mod split;
-pub mod stages;
+pub(crate) mod stages;
 mod state;
 mod stats;
-pub mod steppers;
+pub(crate) mod steppers;
 mod straight;
 mod surroundings;
 mod tile;
@@ -42,13 +42,13 @@ mod wavefront;
 mod work;
 mod worker;
 
-pub use fate::Fate;
 pub use illumination::LightSummary;
 pub use polyline::{Polyline, polylines};
 pub use probe::{Probe, Reading, probe};
+pub use ray_end::RayEnd;
 pub use render::{Progress, Rendered, render};
 pub use run::Run;
 pub use session::Session;
 pub use shoot::{Ray, Shot, shoot};
 pub use state::State;
-pub use stats::{Counters, Fates, Occupancy, Stage, StageTimes, Stats};
+pub use stats::{Counters, Fates, Occupancy, StageCost, StageTimes, Stats};

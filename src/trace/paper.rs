@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
-use crate::geodesic::{Control, End, Launch, Phase, Rkn6, follow, rk4_paper};
+use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::light::Lensed;
 use crate::math::columns::{Row, columns};
@@ -109,7 +109,7 @@ impl<M: ConformallyFlat> PaperMarch<M> {
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
         let ray = (orbit.b, Phase::new(&self.medium, orbit.w, orbit.v), orbit.fate);
         match follow(&self.medium, &Rkn6, &control, ray, 0.0, |_| {}).end {
-            End::Crosses(_, swept) => Outcome::Escaped(AtInfinity::near(
+            OrbitEnd::Crosses(_, swept) => Outcome::Escaped(AtInfinity::near(
                 (orbit.radial * libm::cos(swept) + orbit.along * libm::sin(swept)).normalize(),
             )),
             _ => Outcome::NonFinite,
@@ -118,11 +118,11 @@ impl<M: ConformallyFlat> PaperMarch<M> {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct Asking {
+struct PaperQueries {
     center: DVec3,
 }
 
-impl Kernel for Asking {
+impl Kernel for PaperQueries {
     type A = PaperFlight;
     type B = PaperMove;
     type Out = Query<Line>;
@@ -174,7 +174,7 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
         moves: &[<PaperMove as Row>::Block],
         queries: &mut [<Query<Line> as Row>::Block],
     ) {
-        map(&Asking { center: self.center }, flights, moves, queries);
+        map(&PaperQueries { center: self.center }, flights, moves, queries);
     }
 
     #[inline(always)]

@@ -1,14 +1,14 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
-use super::fate::Fate;
 use super::job::Job;
 use super::path::Gathers;
+use super::ray_end::RayEnd;
 use super::samples::Samples;
 use super::stages::draw::Numbers;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
-use super::stages::light::{self, Progress};
+use super::stages::light::{self, LightRayProgress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::Counters;
@@ -64,11 +64,11 @@ fn trace_path<T: Transport>(
             let (progress, arrived) =
                 light::settle(job, illumination, transport, (&flight, &step, found), &vertex);
             let is_reached = match progress {
-                Progress::Flying(next) => {
+                LightRayProgress::Flying(next) => {
                     flight = next;
                     continue;
                 }
-                Progress::Landed(landing) => {
+                LightRayProgress::Landed(landing) => {
                     if let Some(direction) = light::through_specular(job, &mut path, &mut vertex, &landing) {
                         let Landing { position, primitive: origin_prim, .. } = landing;
                         flight =
@@ -77,11 +77,11 @@ fn trace_path<T: Transport>(
                     }
                     false
                 }
-                Progress::Escaped(there) => {
+                LightRayProgress::Escaped(there) => {
                     light::escape(job, &mut path, &vertex, there);
                     false
                 }
-                Progress::Ended(is_reached) => is_reached,
+                LightRayProgress::Ended(is_reached) => is_reached,
             };
             let Some(direction) = gather(&mut path, &mut vertex, is_reached) else { break };
             let Vertex { position, origin_prim, .. } = vertex;
@@ -112,19 +112,19 @@ fn trace_path<T: Transport>(
             Outcome::Escaped(there) => {
                 counters.fates.escaped += 1;
                 escape(job, &mut path, &vertex, there);
-                (Fate::Escaped, Some(there.side))
+                (RayEnd::Escaped, Some(there.side))
             }
             Outcome::Captured => {
                 counters.fates.captured += 1;
-                (Fate::Captured, None)
+                (RayEnd::Captured, None)
             }
             Outcome::StepLimit => {
                 counters.fates.step_limit += 1;
-                (Fate::StepLimit, None)
+                (RayEnd::StepLimit, None)
             }
             Outcome::NonFinite => {
                 counters.fates.non_finite += 1;
-                (Fate::NonFinite, None)
+                (RayEnd::NonFinite, None)
             }
         };
         record_end(job, &path, fate, side, samples);

@@ -73,7 +73,8 @@ pub struct Reading {
     pub edges: f64,
 }
 
-/// Looks for about `limit` at what rendering `scene` by `run` costs; there may be no readings if its paths take too long.
+/// Looks for about `limit` at what rendering `scene` by `run` costs; there may be no readings if its paths take too
+/// long.
 pub fn probe(scene: &Baked, run: &Run, limit: Duration) -> Probe {
     with_render_transport(scene, Prober { scene, run, limit })
 }
@@ -106,7 +107,7 @@ impl Prober<'_> {
         let turns = Turns {
             job: &job,
             transport,
-            window: Window::of(&settings, self.run),
+            window: CropWindow::of(&settings, self.run),
             samples: settings.spp.min(SAMPLES),
             wanted,
             wavefront: workers(Schedule::Wavefront),
@@ -150,7 +151,7 @@ type Trace<'a> = dyn Fn(&Work, Wanted) -> Option<Samples> + 'a;
 struct Turns<'a, T: Transport> {
     job: &'a Job<'a>,
     transport: &'a T,
-    window: Window,
+    window: CropWindow,
     samples: u32,
     wanted: Wanted,
     wavefront: Workers<T>,
@@ -158,13 +159,13 @@ struct Turns<'a, T: Transport> {
 }
 
 impl<T: Transport> Turns<'_, T> {
-    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule; `None` if it
-    /// had to give up.
+    /// A turn of the thread that asks, of about so many paths in the wavefront and in the per-pixel schedule; `None` if
+    /// it had to give up.
     fn take(&self, turn: usize, paths: [f64; 2]) -> Option<Reading> {
         let Self { window, samples, wanted, .. } = *self;
         let lattices = paths.map(|paths| window.lattice(samples, paths));
         // Not the same pixels twice: what they need would be in the caches.
-        let look = |number, lattice| Look { number, window, lattice, samples, wanted };
+        let patch = |number, lattice| ProbePatch { number, window, lattice, samples, wanted };
         let scene = self.job.scene;
         let trace = |workers: &Workers<T>, work: &Work, wanted| {
             workers.own().trace(self.job, self.transport, work, wanted)
@@ -176,11 +177,11 @@ impl<T: Transport> Turns<'_, T> {
             Schedule::PerPixel => &per_pixel,
         };
         let numbers = NEIGHBOURHOODS * turn..NEIGHBOURHOODS * (turn + 1);
-        let found: Option<f64> = numbers.map(|number| look(number, Lattice::ALL).edges(as_set, scene)).sum();
+        let found: Option<f64> = numbers.map(|number| patch(number, Lattice::ALL).edges(as_set, scene)).sum();
         Some(Reading {
             edges: found? / NEIGHBOURHOODS as f64,
-            wavefront: look(2 * turn, lattices[0]).paths(&wavefront)?,
-            per_pixel: look(2 * turn + 1, lattices[1]).paths(&per_pixel)?,
+            wavefront: patch(2 * turn, lattices[0]).paths(&wavefront)?,
+            per_pixel: patch(2 * turn + 1, lattices[1]).paths(&per_pixel)?,
         })
     }
 }
@@ -201,12 +202,12 @@ fn learn<T: Transport>(job: &mut Job, transport: &T) -> f64 {
 
 /// The part of the picture that is rendered.
 #[derive(Clone, Copy)]
-struct Window {
+struct CropWindow {
     origin: (usize, usize),
     size: (usize, usize),
 }
 
-impl Window {
+impl CropWindow {
     fn of(settings: &Settings, run: &Run) -> Self {
         let [x0, y0, x1, y1] = run.crop.unwrap_or([0, 0, settings.width, settings.height]);
         Self { origin: (x0, y0), size: (x1 - x0, y1 - y0) }
@@ -221,18 +222,18 @@ impl Window {
     }
 }
 
-/// Part of the picture that is looked at in a turn.
+/// Part of the picture that is rendered in a turn.
 #[derive(Clone, Copy)]
-struct Look {
+struct ProbePatch {
     number: usize,
-    window: Window,
+    window: CropWindow,
     lattice: Lattice,
     samples: u32,
     wanted: Wanted,
 }
 
-impl Look {
-    /// A place for each look, far from those of others: Roberts' sequence of the plastic number.
+impl ProbePatch {
+    /// A place for each patch, far from those of others: Roberts' sequence of the plastic number.
     fn spot(&self, within: (usize, usize)) -> (usize, usize) {
         let at = |ratio: f64, size: usize| ((self.number as f64 * ratio).fract() * size as f64) as usize;
         (at(0.754_877_666_246_692_8, within.0), at(0.569_840_290_998_053_3, within.1))
@@ -240,7 +241,7 @@ impl Look {
 
     /// Seconds that a camera path takes, over the whole picture.
     fn paths(&self, trace: &Trace) -> Option<f64> {
-        let Window { origin, size } = self.window;
+        let CropWindow { origin, size } = self.window;
         let Self { lattice, samples, .. } = *self;
         let (x, y) = self.spot((lattice.every.min(size.0), lattice.every.min(size.1)));
         let none = EdgePixels::default();
@@ -262,7 +263,7 @@ impl Look {
         if !LampEdges::are_possible(scene) {
             return Some(0.0);
         }
-        let Window { origin, size } = self.window;
+        let CropWindow { origin, size } = self.window;
         let size = (size.0.min(NEIGHBOURHOOD), size.1.min(NEIGHBOURHOOD));
         let (x, y) = self.spot((self.window.size.0 - size.0 + 1, self.window.size.1 - size.1 + 1));
         let origin = (origin.0 + x, origin.1 + y);

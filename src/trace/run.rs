@@ -12,7 +12,8 @@ pub struct Run {
     pub threads: usize,
     /// Rays in a worker's wavefront.
     pub batch: usize,
-    /// Stop after this much time, from the first ray on; later, if some pixel would have no sample, by at most a second.
+    /// Stop after this much time, from the first ray on; later, if some pixel would have no sample, by at most a
+    /// second.
     pub time_limit: Option<Duration>,
     /// Stop when the image's mean relative standard error falls below this.
     pub noise: Option<f64>,

@@ -27,7 +27,8 @@ use crate::spacetime::ConformallyFlat;
 
 /// A render that stands between two passes.
 ///
-/// No pixel depends on how many samples are asked for: 64 samples that are extended to 256 are those of a render of 256.
+/// No pixel depends on how many samples are asked for: 64 samples that are extended to 256 are those of a render of
+/// 256.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -49,7 +50,7 @@ use crate::spacetime::ConformallyFlat;
 /// let mut session = Session::resume(&scene, &run, &cancel, session.into_state()).expect("the same picture");
 /// while session.pass(8, |_| ()) {}
 /// assert_eq!(session.state().spp(), 8);
-/// assert_ne!(session.image().plane("R"), preview.plane("R"));
+/// assert_ne!(session.image().channel("R"), preview.channel("R"));
 /// # Ok::<(), warpfront::scene::SceneError>(())
 /// ```
 pub struct Session<'a> {
@@ -65,8 +66,8 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Begins a render of `scene` by `run`: learns what there is to learn of its lights. The time limit of `run` starts here.
-    /// Setting `cancel` ends this and every pass at once.
+    /// Begins a render of `scene` by `run`: learns what there is to learn of its lights. The time limit of `run` starts
+    /// here. Setting `cancel` ends this and every pass at once.
     pub fn new(scene: &'a Baked, run: &'a Run, cancel: &'a AtomicBool) -> Self {
         Self::with(scene, run, cancel, State::new(&scene.settings, run))
     }
@@ -104,9 +105,10 @@ impl<'a> Session<'a> {
         Self { scene, run, threads, tracer, state, learning, spent: learning }
     }
 
-    /// Takes the next few samples of every pixel, at most up to `end` in all; `each` is called after each finished tile, from
-    /// worker threads, with the camera paths that were added. False once there is nothing to add: all have `end` samples, or
-    /// the session was cancelled or its time is over. Pixels that miss a pass keep the samples of the passes before.
+    /// Takes the next few samples of every pixel, at most up to `end` in all; `each` is called after each finished
+    /// tile, from worker threads, with the camera paths that were added. False once there is nothing to add: all have
+    /// `end` samples, or the session was cancelled or its time is over. Pixels that miss a pass keep the samples of the
+    /// passes before.
     pub fn pass(&mut self, end: u32, each: impl Fn(u64) + Sync) -> bool {
         let (started, first) = (Instant::now(), self.state.spp());
         let end = pass_of(first.min(MAX_SPP - 1)).end.min(end);
@@ -190,9 +192,9 @@ impl<'a> TransportVisitor for Opening<'a> {
 }
 
 impl TileState {
-    /// Adds samples to each pixel, up to `end` in all, of which few may be left to a pass, and takes those of pixels that
-    /// turn out to be at edges of lamps again: how many camera paths were added; `None`, and nothing changed in the
-    /// tile, if it had to give up.
+    /// Adds samples to each pixel, up to `end` in all, of which few may be left to a pass, and takes those of pixels
+    /// that turn out to be at edges of lamps again: how many camera paths were added; `None`, and nothing changed in
+    /// the tile, if it had to give up.
     fn pass(&mut self, tracer: &dyn Tracer, scene: &Baked, wanted: Wanted, end: u32) -> Option<u64> {
         let Self { tile, edges } = self;
         let Tile { origin, size, spp, .. } = *tile;

@@ -1,5 +1,5 @@
-//! Short paths to the edges of lamps: what the camera sees of lamps there is gathered by [`SPLIT`] of them for each whole
-//! path, which leaves that light out.
+//! Short paths to the edges of lamps: what the camera sees of lamps there is gathered by [`SPLIT`] of them for each
+//! whole path, which leaves that light out.
 
 use glam::Vec3;
 

@@ -45,8 +45,8 @@ impl Frame {
     }
 
     fn image(&self) -> Image {
-        let ((width, height), planes, attributes) = (self.picture, Vec::new(), Vec::new());
-        Image { width, height, origin: self.origin, size: self.size, planes, attributes }
+        let ((width, height), channels, attributes) = (self.picture, Vec::new(), Vec::new());
+        Image { width, height, origin: self.origin, size: self.size, channels, attributes }
     }
 }
 
@@ -59,8 +59,8 @@ impl State {
         Self { frame, tiles: tiles.into_iter().map(empty).collect() }
     }
 
-    /// True if a render under `settings` by `run` can go on from here: the same pixels, planes and random numbers. That the
-    /// scene is the same is for the caller to know.
+    /// True if a render under `settings` by `run` can go on from here: the same pixels, planes and random numbers. That
+    /// the scene is the same is for the caller to know.
     pub(super) fn belongs_to(&self, settings: &Settings, run: &Run) -> bool {
         self.frame == Frame::new(settings, run)
     }

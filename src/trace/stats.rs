@@ -38,7 +38,7 @@ pub struct Counters {
 
 /// Items handled by a stage, and the time that worker threads took for them, added over threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Stage {
+pub struct StageCost {
     /// Thread time, seconds.
     pub seconds: f64,
     /// Rays handled, or paths: a ray counts once in every round in which the stage handles it.
@@ -64,19 +64,19 @@ pub struct StageTimes {
     /// Learning of light sampling before the first camera ray, wall time, seconds.
     pub learning: f64,
     /// Camera rays.
-    pub generate: Stage,
+    pub generate: StageCost,
     /// Integration steps and arcs.
-    pub advance: Stage,
+    pub advance: StageCost,
     /// Searching the scene.
-    pub intersect: Stage,
+    pub intersect: StageCost,
     /// Deciding each ray's outcome, polishing hits.
-    pub settle: Stage,
+    pub settle: StageCost,
     /// Light from infinity.
-    pub escape: Stage,
+    pub escape: StageCost,
     /// Emission, roulette and scattering.
-    pub scatter: Stage,
+    pub scatter: StageCost,
     /// Results to the tile, freeing lanes.
-    pub film: Stage,
+    pub film: StageCost,
     /// Lanes over rounds.
     pub occupancy: Occupancy,
 }
@@ -129,8 +129,8 @@ impl Counters {
     }
 }
 
-impl Stage {
-    fn add(&mut self, other: &Stage) {
+impl StageCost {
+    fn add(&mut self, other: &StageCost) {
         self.seconds += other.seconds;
         self.items += other.items;
     }
@@ -171,7 +171,7 @@ impl StageTimes {
     }
 
     /// The stages by name, in the order of a round.
-    pub fn named(&self) -> [(&'static str, Stage); 7] {
+    pub fn named(&self) -> [(&'static str, StageCost); 7] {
         [
             ("generate", self.generate),
             ("advance", self.advance),
@@ -222,9 +222,9 @@ impl Lap {
     }
 
     /// Adds the time since the last lap, in which `items` were handled, to `stage`.
-    pub fn end(&mut self, stage: &mut Stage, items: usize) {
+    pub fn end(&mut self, stage: &mut StageCost, items: usize) {
         let now = Instant::now();
-        stage.add(&Stage { seconds: (now - self.0).as_secs_f64(), items: items as u64 });
+        stage.add(&StageCost { seconds: (now - self.0).as_secs_f64(), items: items as u64 });
         self.0 = now;
     }
 }

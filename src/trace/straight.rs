@@ -47,9 +47,9 @@ impl Straight {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct Asking;
+struct StraightQueries;
 
-impl Kernel for Asking {
+impl Kernel for StraightQueries {
     type A = StraightFlight;
     type B = StraightMove;
     type Out = Query<Line>;
@@ -67,12 +67,12 @@ impl Transport for Straight {
     type Segment = Line;
     type Scratch = ();
     type Carried = ();
-    type Aim = light::Straight;
+    type Aim = light::StraightAim;
 
     const IS_STRAIGHT: bool = true;
 
-    fn aim(&self, _: u32) -> Option<light::Straight> {
-        Some(light::Straight)
+    fn aim(&self, _: u32) -> Option<light::StraightAim> {
+        Some(light::StraightAim)
     }
 
     #[inline(always)]
@@ -107,7 +107,7 @@ impl Transport for Straight {
         moves: &[<StraightMove as Row>::Block],
         queries: &mut [<Query<Line> as Row>::Block],
     ) {
-        map(&Asking, flights, moves, queries);
+        map(&StraightQueries, flights, moves, queries);
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::samples::Samples;
-use crate::film::{Aov, BEAUTY, Image, Plane, Sums, Wanted};
+use crate::film::{Aov, BEAUTY, Channel, Image, Sums, Wanted};
 
 /// Columns and rows of a tile.
 pub const TILE: usize = 32;
@@ -109,12 +109,13 @@ pub fn cover(origin: (usize, usize), size: (usize, usize), wanted: Wanted) -> Ve
     tiles
 }
 
-/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`. Tiles go as the planes fill.
+/// Puts tiles together: R, G, B, A, then the planes of `aovs` in their order, into `image`. Tiles go as the planes
+/// fill.
 pub fn assemble<T: Borrow<Tile>>(tiles: impl Iterator<Item = T>, aovs: &[Aov], image: &mut Image) {
     let (width, height) = image.size;
     let names = BEAUTY.iter().chain(aovs.iter().flat_map(|aov| aov.channels()));
-    image.planes =
-        names.map(|name| Plane { name: name.to_string(), values: vec![0.0; width * height] }).collect();
+    image.channels =
+        names.map(|name| Channel { name: name.to_string(), values: vec![0.0; width * height] }).collect();
     for tile in tiles {
         let tile: &Tile = tile.borrow();
         for pixel in 0..tile.size.0 * tile.size.1 {
@@ -122,7 +123,7 @@ pub fn assemble<T: Borrow<Tile>>(tiles: impl Iterator<Item = T>, aovs: &[Aov], i
             let y = tile.origin.1 - image.origin.1 + pixel / tile.size.0;
             let beauty = tile.beauty(pixel).map(|mean| mean as f32);
             let extra = aovs.iter().flat_map(|&aov| tile.values(aov, pixel));
-            for (plane, value) in image.planes.iter_mut().zip(beauty.into_iter().chain(extra)) {
+            for (plane, value) in image.channels.iter_mut().zip(beauty.into_iter().chain(extra)) {
                 plane.values[y * width + x] = value;
             }
         }

@@ -222,7 +222,7 @@ mod tests {
 
     /// The half of a room with a door in the plane x = 0.
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
-    pub enum Side {
+    pub enum Half {
         /// x < 0.
         #[default]
         Near,
@@ -230,7 +230,7 @@ mod tests {
         Far,
     }
 
-    plain_field!(Side);
+    plain_field!(Half);
 
     columns! {
         /// A straight ray on its side.
@@ -241,8 +241,8 @@ mod tests {
             direction: DVec3,
             /// Primitive that it starts on.
             origin_prim: PrimitiveId,
-            /// Side on which it starts.
-            side: Side,
+            /// Half on which it starts.
+            side: Half,
         }
     }
 
@@ -261,15 +261,15 @@ mod tests {
         type Move = StraightMove;
         type Segment = Line;
         type Scratch = ();
-        type Carried = Side;
+        type Carried = Half;
 
-        type Aim = crate::light::Straight;
+        type Aim = crate::light::StraightAim;
 
         fn aim(&self, _: u32) -> Option<Self::Aim> {
             None
         }
 
-        fn launch(&self, start: &Start<Side>) -> SidedFlight {
+        fn launch(&self, start: &Start<Half>) -> SidedFlight {
             let &Start { position, direction, origin_prim, carried: side } = start;
             SidedFlight { position, direction, origin_prim, side }
         }
@@ -317,13 +317,13 @@ mod tests {
             flight: &SidedFlight,
             step: &StraightMove,
             found: Option<Found>,
-        ) -> (Outcome<SidedFlight>, Side) {
+        ) -> (Outcome<SidedFlight>, Half) {
             let (outcome, ()) = self.0.settle(geometry, &self.straight(flight), step, found);
             let end = found.map_or(step.end, |found| found.point);
             let side = match (flight.side, flight.position.x * end.x < 0.0) {
                 (side, false) => side,
-                (Side::Near, true) => Side::Far,
-                (Side::Far, true) => Side::Near,
+                (Half::Near, true) => Half::Far,
+                (Half::Far, true) => Half::Near,
             };
             let outcome = match outcome {
                 Outcome::Landed(landing) => Outcome::Landed(landing),
@@ -353,10 +353,10 @@ mod tests {
             position: DVec3::new(-3.0, 0.0, 0.0),
             direction: DVec3::X,
             origin_prim: PrimitiveId::NONE,
-            carried: Side::Near,
+            carried: Half::Near,
         };
         let mut batch = RayBatch::default();
-        let mut fly = |start: &Start<Side>| {
+        let mut fly = |start: &Start<Half>| {
             let (shot, side) = follow(&sided, &geometry, start, &halt, |_, _, _, _| {});
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
@@ -367,8 +367,8 @@ mod tests {
             Start { position, direction: -direction, origin_prim, carried: side }
         };
         let there = fly(&start);
-        assert!((there.position.x - 4.0).abs() < 1e-12 && there.carried == Side::Far, "{there:?}");
+        assert!((there.position.x - 4.0).abs() < 1e-12 && there.carried == Half::Far, "{there:?}");
         let back = fly(&there);
-        assert!((back.position.x + 4.0).abs() < 1e-12 && back.carried == Side::Near, "{back:?}");
+        assert!((back.position.x + 4.0).abs() < 1e-12 && back.carried == Half::Near, "{back:?}");
     }
 }

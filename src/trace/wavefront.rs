@@ -4,15 +4,15 @@
 //! lane to a new camera path, and when none are left, to the last lane. What a lane computes depends on its path alone,
 //! so the picture depends neither on the batch size nor on the order of lanes.
 
-use super::fate::Fate;
 use super::job::Job;
 use super::path::{Gathers, Path};
+use super::ray_end::RayEnd;
 use super::samples::Samples;
 use super::stages::draw::Draws;
 use super::stages::escape::escape;
 use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
-use super::stages::light::{self, Progress};
+use super::stages::light::{self, LightRayProgress};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Lap, StageTimes};
@@ -58,7 +58,7 @@ struct Events<C> {
     /// Light rays that left beyond mirrors and glass.
     gone: Vec<(usize, AtInfinity)>,
     escaped: Vec<(usize, AtInfinity)>,
-    ended: Vec<(usize, Fate)>,
+    ended: Vec<(usize, RayEnd)>,
     finished: Vec<usize>,
 }
 
@@ -204,10 +204,10 @@ impl<T: Transport> Wavefront<T> {
                         return;
                     }
                     match light::conclude(illumination, &vertices.get(lane), outcome) {
-                        Progress::Flying(_) => {}
-                        Progress::Ended(is_reached) => events.lit.push((lane, is_reached)),
-                        Progress::Landed(landing) => events.specular.push((lane, landing)),
-                        Progress::Escaped(there) => events.gone.push((lane, there)),
+                        LightRayProgress::Flying(_) => {}
+                        LightRayProgress::Ended(is_reached) => events.lit.push((lane, is_reached)),
+                        LightRayProgress::Landed(landing) => events.specular.push((lane, landing)),
+                        LightRayProgress::Escaped(there) => events.gone.push((lane, there)),
                     }
                     return;
                 }
@@ -223,15 +223,15 @@ impl<T: Transport> Wavefront<T> {
                     }
                     Outcome::Captured => {
                         fates.captured += 1;
-                        events.ended.push((lane, Fate::Captured));
+                        events.ended.push((lane, RayEnd::Captured));
                     }
                     Outcome::StepLimit => {
                         fates.step_limit += 1;
-                        events.ended.push((lane, Fate::StepLimit));
+                        events.ended.push((lane, RayEnd::StepLimit));
                     }
                     Outcome::NonFinite => {
                         fates.non_finite += 1;
-                        events.ended.push((lane, Fate::NonFinite));
+                        events.ended.push((lane, RayEnd::NonFinite));
                     }
                 }
             },
@@ -260,7 +260,7 @@ impl<T: Transport> Wavefront<T> {
             let mut path = self.paths.get(lane);
             let vertex = if job.illumination.is_some() { self.vertices.get(lane) } else { Vertex::default() };
             escape(job, &mut path, &vertex, there);
-            record_end(job, &path, Fate::Escaped, Some(there.side), samples);
+            record_end(job, &path, RayEnd::Escaped, Some(there.side), samples);
             self.paths.set(lane, path);
             self.events.finished.push(lane);
         }

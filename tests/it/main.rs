@@ -72,4 +72,5 @@ mod project {
     mod layers;
     mod nightly;
     mod readme;
+    mod type_names;
 }

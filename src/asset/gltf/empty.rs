@@ -1,5 +1,5 @@
-//! Nodes without mesh, light or camera: one that is named `BlackHole` places a hole, others may be what an exporter left
-//! of a light.
+//! Nodes without mesh, light or camera: one that is named `BlackHole` places a hole, others may be what an exporter
+//! left of a light.
 
 use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
@@ -7,8 +7,8 @@ use crate::asset::notes::Notes;
 /// The custom property of a node (`extras`) that tells a Schwarzschild radius.
 const RADIUS: &str = "schwarzschild_radius";
 
-/// The Schwarzschild radius of the hole that a node places, in the node's units of length: what its custom property says,
-/// or else 1, the size at which an Empty is shown that is not scaled.
+/// The Schwarzschild radius of the hole that a node places, in the node's units of length: what its custom property
+/// says, or else 1, the size at which an Empty is shown that is not scaled.
 pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<Option<f64>, Flaw> {
     let is_empty = node.mesh().is_none() && node.camera().is_none() && node.light().is_none();
     if !is_named(name, "blackhole") {

@@ -19,7 +19,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use super::error::AssetError;
 use super::files::Files;
 use super::flaw::Flaw;
-use super::model::{Lens, Model, Node, Part};
+use super::model::{Model, ModelCamera, ModelNode, Part};
 use super::notes::Notes;
 use buffers::Buffers;
 use gltf::json::validation::Checked;
@@ -35,9 +35,9 @@ const MOST_PER_BYTE: usize = 64;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and instancing
-/// are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node without
-/// anything that is named `BlackHole` places a black hole.
+/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and
+/// instancing are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node
+/// without anything that is named `BlackHole` places a black hole.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
@@ -46,7 +46,7 @@ const MOST_PER_BYTE: usize = 64;
 pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
     let bytes = AssetError::read(path, files)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut import = Import::default();
+    let mut import = GltfImport::default();
     import.file(bytes, folder, files).map_err(|flaw| AssetError::content(path, flaw))?;
     import.model.warnings = import.notes.into_lines(&path.display().to_string());
     Ok(import.model)
@@ -54,13 +54,13 @@ pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
 
 /// An import in progress.
 #[derive(Default)]
-struct Import {
+struct GltfImport {
     model: Model,
     notes: Notes,
     /// Parts of each glTF mesh read so far, so that nodes share it.
     parts: HashMap<usize, Vec<Part>>,
     /// Index in the model of each surface read so far, so that primitives share it; `None` if it has no area.
-    surfaces: HashMap<primitive::Source, Option<usize>>,
+    surfaces: HashMap<primitive::SurfaceKey, Option<usize>>,
     /// Bytes of the surfaces read so far.
     size: usize,
     /// Index in the model of the material for primitives without one.
@@ -69,7 +69,7 @@ struct Import {
     dropped: usize,
 }
 
-impl Import {
+impl GltfImport {
     fn file(&mut self, bytes: Vec<u8>, folder: &Path, files: &Files) -> Result<(), Flaw> {
         let gltf = container::open(bytes)?;
         validate::check(gltf.document.as_json())?;
@@ -121,21 +121,21 @@ impl Import {
         node: &gltf::Node,
         parent: Option<usize>,
         buffers: &Buffers,
-    ) -> Result<Node, Flaw> {
+    ) -> Result<ModelNode, Flaw> {
         let name = name_of(node);
         self.note_ignored(node, &name);
         let parts = match node.mesh() {
             Some(mesh) => self.mesh(&mesh, buffers)?,
             None => Vec::new(),
         };
-        let lens = node.camera().and_then(|camera| self.lens(gltf, &camera, &name));
+        let camera = node.camera().and_then(|camera| self.camera(gltf, &camera, &name));
         let light = node.light().map(|light| light::convert(&light, &mut self.notes)).transpose()?;
         let hole = empty::hole(node, &name, &mut self.notes)?;
-        Ok(Node { to_parent: transform(node)?, name, parent, parts, lens, light, hole })
+        Ok(ModelNode { to_parent: transform(node)?, name, parent, parts, camera, light, hole })
     }
 
     /// Goes by the JSON, since the crate's `Camera::projection` panics on a camera without lens.
-    fn lens(&mut self, gltf: &gltf::Gltf, camera: &gltf::Camera, node: &str) -> Option<Lens> {
+    fn camera(&mut self, gltf: &gltf::Gltf, camera: &gltf::Camera, node: &str) -> Option<ModelCamera> {
         let json = gltf.document.as_json().cameras.get(camera.index())?;
         if json.type_ == Checked::Valid(gltf::json::camera::Type::Orthographic) {
             self.notes.add("orthographic cameras are ignored", node);
@@ -149,7 +149,7 @@ impl Import {
         if aspect.is_none() && lens.aspect_ratio.is_some() {
             self.notes.add("aspect ratio that makes no sense is ignored, of camera", node);
         }
-        Some(Lens { vertical_fov: lens.yfov.into(), aspect })
+        Some(ModelCamera { vertical_fov: lens.yfov.into(), aspect })
     }
 
     fn note_ignored(&mut self, node: &gltf::Node, name: &str) {

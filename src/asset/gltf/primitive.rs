@@ -11,7 +11,7 @@ use crate::geometry::Mesh;
 
 /// The accessors that a surface is made of, by index, and how; primitives with the same ones are the same surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Source {
+pub(super) struct SurfaceKey {
     positions: usize,
     normals: Option<usize>,
     indices: Option<usize>,
@@ -24,7 +24,7 @@ pub(super) fn source(
     primitive: &gltf::Primitive,
     notes: &mut Notes,
     name: &str,
-) -> Result<Option<Source>, Flaw> {
+) -> Result<Option<SurfaceKey>, Flaw> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         notes.add("points and lines have no surface and are ignored, in mesh", name);
         return Ok(None);
@@ -38,7 +38,7 @@ pub(super) fn source(
     let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
-    Ok(Some(Source {
+    Ok(Some(SurfaceKey {
         positions: positions.index(),
         normals: primitive.get(&Semantic::Normals).map(|accessor| accessor.index()),
         indices: primitive.indices().map(|accessor| accessor.index()),

@@ -39,11 +39,11 @@ fn document() -> Value {
     })
 }
 
-struct Files {
+struct GltfFolder {
     folder: tempfile::TempDir,
 }
 
-impl Files {
+impl GltfFolder {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("the buffer.bin"), buffer()).unwrap();
@@ -58,7 +58,7 @@ impl Files {
 }
 
 fn load_json(document: &Value) -> Result<Model, AssetError> {
-    Files::new().load(document.to_string().as_bytes())
+    GltfFolder::new().load(document.to_string().as_bytes())
 }
 
 /// The only warning, without the file's name.
@@ -103,7 +103,7 @@ fn a_strip_with_a_nested_camera_is_read() {
     assert_eq!(model.meshes[0].triangles, [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(model.meshes[0].positions[3], [1.0, 1.0, 0.0]);
     assert_eq!(model.nodes[1].parent, Some(0));
-    assert_eq!(model.nodes[1].lens, Some(Lens { vertical_fov: 0.5, aspect: None }));
+    assert_eq!(model.nodes[1].camera, Some(ModelCamera { vertical_fov: 0.5, aspect: None }));
     assert_eq!(model.materials, [Material::default()]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }
@@ -112,7 +112,7 @@ fn a_strip_with_a_nested_camera_is_read() {
 fn a_binary_file_reads_like_the_text_one() {
     let mut binary = document();
     binary["buffers"] = json!([{ "byteLength": 72 }]);
-    let model = Files::new().load(&glb(&binary, &buffer())).unwrap();
+    let model = GltfFolder::new().load(&glb(&binary, &buffer())).unwrap();
     assert_eq!(model.meshes, load_json(&document()).unwrap().meshes);
 }
 
@@ -290,7 +290,7 @@ fn malformed_files_are_errors_that_say_what_is_wrong() {
 
 #[test]
 fn vertices_that_are_not_finite_are_errors() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     for value in [f32::NAN, f32::INFINITY] {
         let mut bytes = buffer();
         bytes[12..16].copy_from_slice(&value.to_le_bytes());
@@ -302,7 +302,7 @@ fn vertices_that_are_not_finite_are_errors() {
 
 #[test]
 fn cut_and_corrupted_files_never_panic() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     let mut binary = lit(json!({ "type": "spot", "spot": {} }));
     binary["buffers"] = json!([{ "byteLength": 72 }]);
     let whole = glb(&binary, &buffer());
@@ -320,7 +320,7 @@ fn cut_and_corrupted_files_never_panic() {
 
 #[test]
 fn containers_are_read_as_people_have_them() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     let meshes = load_json(&document()).unwrap().meshes;
     let text = document().to_string();
     for wrapped in [format!("\u{feff}{text}"), format!("{text}\0\0\r\n")] {
@@ -361,14 +361,14 @@ fn files_that_are_no_gltf_2_say_what_they_are() {
         (glb_of(&[(b"BIN\0", &[])]), "no JSON chunk"),
         (b"glTF\x02".to_vec(), "cut off"),
     ] {
-        let message = Files::new().load(&bytes).unwrap_err().to_string();
+        let message = GltfFolder::new().load(&bytes).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");
     }
 }
 
 #[test]
 fn names_with_percent_signs_are_looked_for_as_they_stand_too() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     std::fs::write(files.folder.path().join("half%20full%41.bin"), buffer()).unwrap();
     std::fs::create_dir(files.folder.path().join("sub")).unwrap();
     std::fs::write(files.folder.path().join("sub/a.bin"), buffer()).unwrap();
@@ -422,7 +422,7 @@ fn cameras_without_a_lens_are_left_out_by_name() {
     ] {
         let model = with("/cameras/0", camera);
         assert_eq!(one_line(&model), expected);
-        assert_eq!(load_json(&model).unwrap().nodes[1].lens, None);
+        assert_eq!(load_json(&model).unwrap().nodes[1].camera, None);
     }
 }
 
@@ -432,17 +432,17 @@ fn the_aspect_ratio_of_a_camera_is_read_if_it_makes_sense() {
         let lens = json!({ "yfov": 0.5, "znear": 0.1, "aspectRatio": ratio });
         load_json(&with("/cameras/0/perspective", lens)).unwrap()
     };
-    assert_eq!(aspect(1.5).nodes[1].lens.unwrap().aspect, Some(1.5));
+    assert_eq!(aspect(1.5).nodes[1].camera.unwrap().aspect, Some(1.5));
     for ratio in [0.0, -1.0, 1e30, 1e300] {
         let model = aspect(ratio);
-        assert_eq!(model.nodes[1].lens.unwrap().aspect, None);
+        assert_eq!(model.nodes[1].camera.unwrap().aspect, None);
         assert!(model.warnings[0].ends_with("aspect ratio that makes no sense is ignored, of camera: eye"));
     }
 }
 
 #[test]
 fn emission_is_the_factor_times_the_mean_of_its_texture_and_bounded() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     let picture = image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([if x + y == 0 { 255 } else { 0 }; 3]));
     picture.save(files.folder.path().join("lights.png")).unwrap();
     let mut model = document();
@@ -466,7 +466,7 @@ fn emission_is_the_factor_times_the_mean_of_its_texture_and_bounded() {
 
 #[test]
 fn images_of_one_source_are_decoded_once() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     std::fs::write(files.folder.path().join("bad.png"), b"not a picture").unwrap();
     let mut model = document();
     model["images"] = json!([{ "uri": "bad.png" }]);
@@ -515,7 +515,7 @@ fn primitives_of_the_same_accessors_are_one_mesh() {
 
 #[test]
 fn accessors_that_overlap_without_end_are_refused() {
-    let files = Files::new();
+    let files = GltfFolder::new();
     std::fs::write(files.folder.path().join("the buffer.bin"), vec![1; 1 << 16]).unwrap();
     let mut model = document();
     model["buffers"][0]["byteLength"] = json!(1 << 16);

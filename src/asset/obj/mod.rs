@@ -14,7 +14,7 @@ use glam::DAffine3;
 use super::error::AssetError;
 use super::files::Files;
 use super::flaw::Flaw;
-use super::model::{Model, Node, Part};
+use super::model::{Model, ModelNode, Part};
 use super::statements::Statements;
 use super::tidy::tidy;
 use crate::geometry::Mesh;
@@ -52,7 +52,7 @@ pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
     // The libraries are read already.
     let (parts, _) = tobj::load_obj_buf(&mut text, &options, |_| Err(tobj::LoadError::OpenFileFailed))
         .map_err(|error| content(Flaw::new(error.to_string(), "fix the file or export it again")))?;
-    let mut import = Import::new(survey);
+    let mut import = ObjImport::new(survey);
     for part in parts.into_iter().filter(|part| !part.mesh.indices.is_empty()) {
         import.add(part).map_err(content)?;
     }
@@ -60,7 +60,7 @@ pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
 }
 
 /// A model in the making.
-struct Import {
+struct ObjImport {
     model: Model,
     survey: Survey,
     /// Index of the material for faces without one.
@@ -71,7 +71,7 @@ struct Import {
     left: usize,
 }
 
-impl Import {
+impl ObjImport {
     fn new(mut survey: Survey) -> Self {
         let materials = std::mem::take(&mut survey.libraries.materials);
         let model = Model { materials, ..Model::default() };
@@ -95,12 +95,12 @@ impl Import {
         self.model.meshes.push(mesh);
         match self.model.nodes.last_mut().filter(|node| node.name == name) {
             Some(node) => node.parts.push(part),
-            None => self.model.nodes.push(Node {
+            None => self.model.nodes.push(ModelNode {
                 name,
                 parent: None,
                 to_parent: DAffine3::IDENTITY,
                 parts: vec![part],
-                lens: None,
+                camera: None,
                 light: None,
                 hole: None,
             }),

@@ -9,8 +9,8 @@ use crate::film::sample::Sample;
 pub struct Definition {
     /// One line for the command line's help.
     pub about: &'static str,
-    /// Names of the channels in an EXR, in the order in which the image keeps them; all hold 32-bit floats, indices (`ID`)
-    /// and counts (`N`) too, since an f32 holds integers below 2²⁴ exactly.
+    /// Names of the channels in an EXR, in the order in which the image keeps them; all hold 32-bit floats, indices
+    /// (`ID`) and counts (`N`) too, since an f32 holds integers below 2²⁴ exactly.
     pub channels: &'static [&'static str],
     /// Records that it needs of each path beside its radiance.
     pub needs: Needs,
@@ -82,6 +82,7 @@ pub enum Average {
     },
     /// Value of the first sample, 0 if it has none: identities have no mean.
     First,
-    /// A function of the mean over all samples, the mean of the colour channel at the same place, and the number of samples.
+    /// A function of the mean over all samples, the mean of the colour channel at the same place, and the number of
+    /// samples.
     BesideColor(fn(f64, f64, f64) -> f64),
 }

@@ -1,8 +1,8 @@
 //! Planes beside the beauty: one file and one line in `planes!` each.
 //!
-//! A plane's file says what it takes from a [sample](super::Sample), how the samples of a pixel become one value, and the
-//! names of its channels. The command line's names and help, what a render records, the order of the channels in a file,
-//! and the memory that a film needs follow. A plane of something that no path records yet needs a field of
+//! A plane's file says what it takes from a [sample](super::Sample), how the samples of a pixel become one value, and
+//! the names of its channels. The command line's names and help, what a render records, the order of the channels in a
+//! file, and the memory that a film needs follow. A plane of something that no path records yet needs a field of
 //! [`CameraRay`](super::CameraRay) or `Sample` too, which `trace::stages::record` then fills.
 
 mod definition;

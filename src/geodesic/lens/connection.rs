@@ -19,8 +19,8 @@ pub struct Connection {
     pub swept: f64,
     /// Impact parameter.
     pub b: f64,
-    /// Solid angle at x over the area at y perpendicular to the ray, in the chart; over the solid angle there if y is at
-    /// infinity. Infinite where rays of all azimuths meet.
+    /// Solid angle at x over the area at y perpendicular to the ray, in the chart; over the solid angle there if y is
+    /// at infinity. Infinite where rays of all azimuths meet.
     pub geometry_factor: f64,
     /// |dφ/dα| at x and at y, α the angle between ray and radius at one end and the other place fixed.
     pub swing: [f64; 2],
@@ -68,8 +68,8 @@ impl Lens {
         })
     }
 
-    /// The unit direction in which the ray that [`Self::connect`] finds arrives at `y`, roughly and at once: to first order
-    /// in the bending if the ray does not go around, else as the critical ray.
+    /// The unit direction in which the ray that [`Self::connect`] finds arrives at `y`, roughly and at once: to first
+    /// order in the bending if the ray does not go around, else as the critical ray.
     pub fn estimated_arrival(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
@@ -97,7 +97,8 @@ impl Lens {
     }
 
     /// The part of the light from a small source at `y` that goes around the far side, relative to what comes the near
-    /// way, for a lens that bends rays by 2c/b: exact far from the centre and close to alignment, an estimate elsewhere.
+    /// way, for a lens that bends rays by 2c/b: exact far from the centre and close to alignment, an estimate
+    /// elsewhere.
     ///
     /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
     pub fn magnification_ratio(&self, x: &Site, y: &Site) -> f64 {

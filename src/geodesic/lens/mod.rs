@@ -8,9 +8,9 @@
 //! dφ = κ dθ,   dt = κ dl,   κ = −d ln w / d ln B = 1/(1 − w g/n²).
 //! ```
 //!
-//! κ is 1 in flat space and has a pole at the photon sphere, where B is least, at the critical impact parameter b_c. With
-//! s² = 1 − b_c/B, s > 0 outside the photon sphere and s < 0 inside, h = κ s is analytic from the horizon or the other
-//! side of a throat (s = −1) to infinity (s = 1): one short polynomial holds the whole lens. From
+//! κ is 1 in flat space and has a pole at the photon sphere, where B is least, at the critical impact parameter b_c.
+//! With s² = 1 − b_c/B, s > 0 outside the photon sphere and s < 0 inside, h = κ s is analytic from the horizon or the
+//! other side of a throat (s = −1) to infinity (s = 1): one short polynomial holds the whole lens. From
 //!
 //! ```text
 //! dφ = 2 h ds / √((m − 1 + s²)(m + 1 − s²)),   m = b_c/b,

@@ -49,7 +49,7 @@ impl Lens {
         let guess =
             if swept < 0.9 * most { self.guess(near, far, swept, libm::tan(0.5 * swept)) } else { swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
-        root((0.0, most, guess), self.enough, &Beside { lens: self, near, far, swept })
+        root((0.0, most, guess), self.enough, &SameSideRays { lens: self, near, far, swept })
             .map(|track| oriented(track, reversed))
     }
 
@@ -86,7 +86,8 @@ impl pulp::NullaryFnOnce for Tracking<'_> {
 
 /// The rays between two places, by one number.
 trait Family {
-    /// The ray at a place, how far that is beyond the wanted one by Newton's method, and how much too far the ray sweeps.
+    /// The ray at a place, how far that is beyond the wanted one by Newton's method, and how much too far the ray
+    /// sweeps.
     fn at(&self, place: f64) -> Option<(Track, f64, f64)>;
 
     /// The wanted ray at a place, given how the swept angle grows there; `None` if only an integral tells.
@@ -127,14 +128,14 @@ impl Family for Across<'_> {
 }
 
 /// Rays between two places on one side of the photon sphere, by the angle that they sweep as straight lines.
-struct Beside<'a> {
+struct SameSideRays<'a> {
     lens: &'a Lens,
     near: &'a Site,
     far: &'a Site,
     swept: f64,
 }
 
-impl Family for Beside<'_> {
+impl Family for SameSideRays<'_> {
     #[inline(always)]
     fn at(&self, gamma: f64) -> Option<(Track, f64, f64)> {
         let track = self.lens.beside(self.near, self.far, gamma)?;
@@ -186,8 +187,8 @@ fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Fa
         let is_inside = next > low && next < high;
         let slope = track.rate / track.distance;
         if let (Some((place, earlier)), true) = (before, is_inside) {
-            // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's beyond
-            // the straight line through both.
+            // The slope varies by `bend` from place to place: Newton's next error, and what is left of the slope's
+            // beyond the straight line through both.
             let change = (slope - earlier) / (at - place);
             let bend = (change / slope).abs();
             let left = (bend * shift).abs() * ((next - place) * bend).abs().max((shift / at).abs());

@@ -30,8 +30,8 @@ impl Lens {
         (swept, -m * slope)
     }
 
-    /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2 atan
-    /// `end`, `gamma` apart, from its turning point, on the side of the photon sphere that `side` says.
+    /// φ, and dφ/db at fixed angles, of a ray of impact parameter `b` > b_c between the angles 2 atan `start` and 2
+    /// atan `end`, `gamma` apart, from its turning point, on the side of the photon sphere that `side` says.
     #[inline(always)]
     pub(super) fn turning(
         &self,
@@ -59,9 +59,9 @@ impl Lens {
         (swept, -by_b / b)
     }
 
-    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v whose singularities are where
-    /// sinh v has the values `beyond` or have an imaginary part of at least π/2. `gap` is `high` − `low`, without its
-    /// rounding.
+    /// Integrals over v, sinh v from `low` to `high`, of two functions of sinh v and cosh v whose singularities are
+    /// where sinh v has the values `beyond` or have an imaginary part of at least π/2. `gap` is `high` − `low`, without
+    /// its rounding.
     #[inline(always)]
     fn integrate(
         &self,
@@ -75,8 +75,8 @@ impl Lens {
         };
         let middle = (exp_arsinh(low) * exp_arsinh(high)).sqrt();
         let half = arsinh(gap / (middle + 1.0 / middle));
-        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3]. On the real axis the
-        // nearer one counts.
+        // A rule of N nodes on an ellipse that keeps off the singularities [Trefethen 2013, th. 19.3]. On the real axis
+        // the nearer one counts.
         let nearer = (middle / exp_arsinh(beyond[0])).min(exp_arsinh(beyond[1]) / middle);
         let real = (libm::log(nearer) / half).max(1.0);
         let across = arsinh(0.5 * PI / half.max(1e-3));

@@ -96,8 +96,8 @@ impl Lens {
     }
 }
 
-/// Of the straight line between two places that are seen under the angle `gamma`: impact parameter, cosine and sine of the
-/// angle to the radius at the start and at the end, and [`distance`].
+/// Of the straight line between two places that are seen under the angle `gamma`: impact parameter, cosine and sine of
+/// the angle to the radius at the start and at the end, and [`distance`].
 #[inline(always)]
 pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> (f64, [f64; 2], [f64; 2], f64) {
     let (sin, cos) = libm::sincos(gamma);

@@ -7,8 +7,8 @@
 //! t = b φ + W,   W = ∫ κ (l/B)² dl.
 //! ```
 //!
-//! Far away κ differs from 1 by O(1/B): what W differs by from a length is a logarithm. Rays that turn or could turn are
-//! integrated over y, l = b sinh y; those that cross the photon sphere or could over z, s = tanh z. In both the
+//! Far away κ differs from 1 by O(1/B): what W differs by from a length is a logarithm. Rays that turn or could turn
+//! are integrated over y, l = b sinh y; those that cross the photon sphere or could over z, s = tanh z. In both the
 //! singularities next to the real axis lie on the imaginary one, and y, z = δ sinh v takes the nearest, ±i δ, and those
 //! behind it to ±i π/2.
 
@@ -25,8 +25,8 @@ const RULE: usize = 3;
 const NEAREST: f64 = 1e-8;
 
 impl Lens {
-    /// Coordinate time, in the unit of length, that light takes from `x` to `y`, neither at infinity, along one of the rays
-    /// that [`Lens::connect`] gives.
+    /// Coordinate time, in the unit of length, that light takes from `x` to `y`, neither at infinity, along one of the
+    /// rays that [`Lens::connect`] gives.
     pub fn time(&self, x: &Site, y: &Site, ray: &Connection) -> f64 {
         let sides = [x, y].map(|site| site.s.signum());
         // Away from the photon sphere, which is away from the centre outside it.
@@ -81,8 +81,8 @@ impl Lens {
         part(low, high.min(0.0), &self.inside, 0.0) + part(low.max(0.0), high, &self.outside, 1.0)
     }
 
-    /// The integral between two bounds of a function of h(s), whose singularities next to the real axis are at ±i `nearest`:
-    /// `f` gives s and the function of h.
+    /// The integral between two bounds of a function of h(s), whose singularities next to the real axis are at ±i
+    /// `nearest`: `f` gives s and the function of h.
     fn over_panels<F: Fn(f64) -> f64>(
         &self,
         fit: &Chebyshev,

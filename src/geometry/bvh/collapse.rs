@@ -5,12 +5,12 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::node::{EMPTY, LEAF_SIZE, Node, WIDTH};
+use super::node::{BvhNode, EMPTY, LEAF_SIZE, WIDTH};
 
 /// Nodes, and the primitive of each leaf slot.
 #[derive(Default)]
 pub struct Wide {
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<BvhNode>,
     pub order: Vec<u32>,
     /// Levels of nodes.
     pub depth: usize,
@@ -31,7 +31,7 @@ const WORTH: f32 = 0.9;
 impl Wide {
     /// Collapses `binary`, whose leaves hold one primitive each; there are more than fit one leaf.
     pub fn collapse(binary: &Bvh2) -> Self {
-        let mut wide = Self { nodes: vec![Node::default()], ..Self::default() };
+        let mut wide = Self { nodes: vec![BvhNode::default()], ..Self::default() };
         let mut pending = vec![(0usize, 0u32, 1usize)];
         while let Some((at, from, level)) = pending.pop() {
             wide.depth = wide.depth.max(level);
@@ -41,8 +41,8 @@ impl Wide {
             let first_inner = wide.nodes.len();
             let boxes: Vec<_> = children.iter().map(|c| *binary.nodes[c.index as usize].aabb()).collect();
             let first_leaf = wide.order.len() / LEAF_SIZE;
-            wide.nodes[at] = Node::new(&boxes, inner, first_inner as u32, first_leaf as u32);
-            wide.nodes.resize(first_inner + inner, Node::default());
+            wide.nodes[at] = BvhNode::new(&boxes, inner, first_inner as u32, first_leaf as u32);
+            wide.nodes.resize(first_inner + inner, BvhNode::default());
             let inner_children = children[..inner].iter().enumerate().rev();
             pending.extend(inner_children.map(|(i, child)| (first_inner + i, child.index, level + 1)));
             let leaves = children[inner..].iter().filter_map(|leaf| primitives(binary, leaf.index));

@@ -2,8 +2,8 @@
 //!
 //! The walk differs from obvhs's own in what curved rays need: a segment is searched along its chord as a *thick* ray,
 //! every box widened by that segment's own bow. (Inflating the boxes at build time by the largest sagitta allowed makes
-//! straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened by its
-//! own rounding, so that the walk is conservative: what is hit in f64 is never culled.
+//! straight segments pay for the most curved one.) Boxes are narrowed to f32 outwards and the slab test is widened by
+//! its own rounding, so that the walk is conservative: what is hit in f64 is never culled.
 //!
 //! And in what wide vectors want: a leaf is a block of primitives that are tested side by side, children are visited by
 //! distance, and what lies beyond the nearest hit is dropped when its turn comes. Measured against obvhs's own
@@ -23,14 +23,14 @@ use obvhs::{BvhBuildParams, fast_stack};
 use rayon::prelude::*;
 
 use self::collapse::Wide;
+use self::node::{BvhNode, LEAF, WIDTH};
 pub use self::node::{EMPTY, LEAF_SIZE};
-use self::node::{LEAF, Node, WIDTH};
 use self::thick_ray::ThickRay;
 use super::Chord;
 use crate::math::prefetch::prefetch;
 
-/// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets the wide
-/// vectors.)
+/// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets
+/// the wide vectors.)
 pub trait Visitor {
     /// Looks at a leaf: the part of the chord at which the search may end.
     fn leaf(&mut self, number: usize) -> f64;
@@ -42,7 +42,7 @@ pub trait Visitor {
 /// A hierarchy over boxes given by index.
 pub struct Bvh {
     /// None where there are few boxes.
-    nodes: Vec<Node>,
+    nodes: Vec<BvhNode>,
     order: Vec<u32>,
     len: usize,
     bounds: Aabb,
@@ -122,8 +122,8 @@ impl Bvh {
         size_of_val(&self.nodes[..]) + size_of_val(&self.order[..])
     }
 
-    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets, roughly front to back; where there are few
-    /// boxes, all.
+    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets, roughly front to back; where there
+    /// are few boxes, all.
     #[inline(always)]
     pub fn walk(&self, chord: &Chord, visitor: &mut impl Visitor) {
         fast_stack!(u64, (64, 256), self.pending, stack, {
@@ -138,8 +138,8 @@ impl Bvh {
 
 /// Widens boxes by different parts of themselves, while they are joined to a tree.
 ///
-/// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips and
-/// fans of faces) each has the same favourite, and it would join one pair a round.
+/// The builder joins boxes that are each other's best partner; of equal or nested ones (copies of a triangle, strips
+/// and fans of faces) each has the same favourite, and it would join one pair a round.
 fn break_ties(boxes: &mut [Aabb]) {
     /// Part of its size that a box grows by at most, and of its coordinates, as far as they resolve.
     const MOST: f32 = 1e-3;
@@ -157,7 +157,7 @@ fn break_ties(boxes: &mut [Aabb]) {
 pub struct Walk<S> {
     ray: ThickRay,
     stack: S,
-    next: Entry,
+    next: StackEntry,
     /// True while there is more to visit.
     pub is_on: bool,
 }
@@ -166,7 +166,7 @@ impl<S: FastStack<u64>> Walk<S> {
     /// A walk that is over, with room for others.
     #[inline(always)]
     pub fn new(stack: S) -> Self {
-        Self { ray: ThickRay::default(), stack, next: Entry::ROOT, is_on: false }
+        Self { ray: ThickRay::default(), stack, next: StackEntry::ROOT, is_on: false }
     }
 
     /// Starts along `chord`.
@@ -178,7 +178,7 @@ impl<S: FastStack<u64>> Walk<S> {
             }
         } else if chord.end != chord.start {
             self.ray = ThickRay::new(chord);
-            (self.next, self.is_on) = (Entry::ROOT, true);
+            (self.next, self.is_on) = (StackEntry::ROOT, true);
         }
     }
 
@@ -203,9 +203,9 @@ impl<S: FastStack<u64>> Walk<S> {
             let node = &bvh.nodes[number as usize];
             let (mut met, enter) = self.ray.meets(node);
             if met != 0 {
-                let mut nearest = Entry::pull(&mut met, &enter, node);
+                let mut nearest = StackEntry::pull(&mut met, &enter, node);
                 while met != 0 {
-                    let other = Entry::pull(&mut met, &enter, node);
+                    let other = StackEntry::pull(&mut met, &enter, node);
                     self.stack.push(nearest.max(other).0);
                     nearest = nearest.min(other);
                 }
@@ -214,7 +214,7 @@ impl<S: FastStack<u64>> Walk<S> {
             }
         }
         while let Some(entry) = self.stack.pop() {
-            self.next = Entry(entry);
+            self.next = StackEntry(entry);
             if self.ray.reaches(self.next.part()) {
                 return;
             }
@@ -223,17 +223,17 @@ impl<S: FastStack<u64>> Walk<S> {
     }
 }
 
-/// A node or leaf to be visited, and the part of the chord at which it is entered: that above the number, so that entries
-/// compare by it.
+/// A node or leaf to be visited, and the part of the chord at which it is entered: that above the number, so that
+/// entries compare by it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Entry(u64);
+struct StackEntry(u64);
 
-impl Entry {
-    const ROOT: Entry = Entry(0);
+impl StackEntry {
+    const ROOT: StackEntry = StackEntry(0);
 
     /// The next child of `node` that `met` names by bytes.
     #[inline(always)]
-    fn pull(met: &mut u64, enter: &[f32; WIDTH], node: &Node) -> Self {
+    fn pull(met: &mut u64, enter: &[f32; WIDTH], node: &BvhNode) -> Self {
         let child = met.trailing_zeros() / u8::BITS;
         *met &= *met - 1;
         // Parts are not negative: they are ordered as their bits are.

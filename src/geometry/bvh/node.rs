@@ -22,7 +22,7 @@ pub const CELLS: f32 = 255.0;
 
 /// A node. Planes of child boxes are at origin + q 2^(exponent − 127).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Node {
+pub struct BvhNode {
     /// Lower planes by axis and child.
     pub low: [[u8; WIDTH]; 3],
     /// Upper planes by axis and child.
@@ -35,9 +35,9 @@ pub struct Node {
     first_leaf: u32,
 }
 
-impl Node {
-    /// A node over boxes: those of `inner` children, which are numbered from `first_inner` on, then those of leaves, which
-    /// are numbered from `first_leaf` on.
+impl BvhNode {
+    /// A node over boxes: those of `inner` children, which are numbered from `first_inner` on, then those of leaves,
+    /// which are numbered from `first_leaf` on.
     pub fn new(boxes: &[Aabb], inner: usize, first_inner: u32, first_leaf: u32) -> Self {
         let all = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
         let mut node = Self {

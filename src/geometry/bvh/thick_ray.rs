@@ -4,9 +4,10 @@ use glam::Vec3A;
 
 use super::super::Chord;
 use super::super::cull::{max, min};
-use super::node::{CELLS, Node, WIDTH};
+use super::node::{BvhNode, CELLS, WIDTH};
 
-/// Components of the chord below this, beside the largest, are taken for it: the reciprocal times any coordinate is finite.
+/// Components of the chord below this, beside the largest, are taken for it: the reciprocal times any coordinate is
+/// finite.
 const SMALLEST_COMPONENT: f32 = 1e-18;
 /// Slab distances are sums of two products of rounded factors: their error beside the larger term, with room to spare.
 const SLAB_ERROR: f32 = 4.0 * f32::EPSILON;
@@ -41,9 +42,9 @@ impl ThickRay {
         }
     }
 
-    /// Which children of `node` the ray meets, one byte a child, and where it enters each.
+    /// Children of `node` that the ray meets, one byte a child, and the parts of the chord at which it enters them.
     #[inline(always)]
-    pub fn meets(&self, node: &Node) -> (u64, [f32; WIDTH]) {
+    pub fn meets(&self, node: &BvhNode) -> (u64, [f32; WIDTH]) {
         // The node's grid is transformed, not each box.
         let scale = node.scale() * self.inverse;
         let offset = (node.origin() - self.start) * self.inverse;

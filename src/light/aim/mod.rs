@@ -3,7 +3,8 @@
 //! A family of spacetimes brings its own: the data of a place ([`Aim::Place`]) and the rays that join two of them. All
 //! of it is deterministic, so that a ray found by BSDF sampling has the density with which it could have been chosen.
 //!
-//! To add one, implement [`Aim`] in a file beside [`straight`] and [`lensed`], and name it in the transport of its family.
+//! To add one, implement [`Aim`] in a file beside [`straight`] and [`lensed`], and name it in the transport of its
+//! family.
 
 pub mod lensed;
 pub mod straight;
@@ -19,8 +20,8 @@ pub struct Link {
     pub direction: DVec3,
     /// Unit direction of travel at the second.
     pub arrival: DVec3,
-    /// Solid angle at the first over the area at the second, perpendicular to the ray, scene units⁻²; over the solid angle
-    /// there if it is at infinity.
+    /// Solid angle at the first over the area at the second, perpendicular to the ray, scene units⁻²; over the solid
+    /// angle there if it is at infinity.
     pub geometry_factor: f64,
 }
 

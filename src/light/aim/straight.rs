@@ -6,7 +6,7 @@ use super::{Aim, Approach, Link};
 use crate::spacetime::{AtInfinity, Side};
 
 /// Straight rays.
-pub struct Straight;
+pub struct StraightAim;
 
 /// An end of a straight ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct StraightPlace {
     side: Side,
 }
 
-impl Aim for Straight {
+impl Aim for StraightAim {
     type Place = StraightPlace;
 
     fn place(&self, side: Side, x: DVec3) -> StraightPlace {

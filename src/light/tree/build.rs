@@ -7,7 +7,7 @@ use super::Tree;
 use super::cluster::Cluster;
 use super::cone::Cone;
 use super::emission::Emission;
-use super::node::{Node, Subtree};
+use super::node::{LightTreeNode, Subtree};
 
 /// Levels below the root, at most: a trail holds one bit for each and one that ends it.
 const DEEPEST: u32 = u64::BITS - 1;
@@ -20,7 +20,8 @@ const MANY: usize = 4096;
 const SAMPLE: usize = 64;
 
 impl Tree {
-    /// Builds the tree over so many emitters, in the order in which `sample` and `probability` number them, on all threads.
+    /// Builds the tree over so many emitters, in the order in which `sample` and `probability` number them, on all
+    /// threads.
     ///
     /// `emission` tells of each; it is asked again and again, as a list of the answers would be larger than the tree.
     /// `floor` in [0, 1]: least orientation factor, relative to head-on. 0 in flat space, where an emitter that faces
@@ -48,7 +49,8 @@ impl Tree {
             .collect();
         let builder = Builder { emission, brightest, origin: tree.origin };
         // Every place is overwritten: a binary tree of n leaves has n − 1 pairs of children.
-        let placeholder = Node::new(&builder.cluster(&origin_prim[0]), tree.origin, Subtree::Emitter(0));
+        let placeholder =
+            LightTreeNode::new(&builder.cluster(&origin_prim[0]), tree.origin, Subtree::Emitter(0));
         tree.nodes = vec![placeholder; 2 * origin_prim.len() - 2];
         let (root, _) = builder.grow(&mut origin_prim, &mut tree.nodes, 0, 0);
         tree.root = Some(root);
@@ -94,9 +96,15 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
         Cluster { min, max, power: power / self.brightest, cone: Cone::new(&emission) }
     }
 
-    /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first its
-    /// two children, then what is below each.
-    fn grow(&self, origin_prim: &mut [Leaf], nodes: &mut [Node], at: u32, depth: u32) -> (Subtree, Cluster) {
+    /// Fills `nodes`, which start at index `at` of the tree, with all nodes below the one that holds `leaves`: first
+    /// its two children, then what is below each.
+    fn grow(
+        &self,
+        origin_prim: &mut [Leaf],
+        nodes: &mut [LightTreeNode],
+        at: u32,
+        depth: u32,
+    ) -> (Subtree, Cluster) {
         if let [leaf] = origin_prim {
             return (Subtree::Emitter(leaf.emitter), self.cluster(leaf));
         }
@@ -111,7 +119,7 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
         let (left, right) =
             if count > MANY { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
         for (node, (subtree, cluster)) in pair.iter_mut().zip([left, right]) {
-            *node = Node::new(&cluster, self.origin, subtree);
+            *node = LightTreeNode::new(&cluster, self.origin, subtree);
         }
         (Subtree::Pair(at), left.1.union(right.1))
     }
@@ -135,9 +143,9 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
     }
 
     /// The cheapest cut along any axis; `None` if all middles, within `low` and `high`, are in one place.
-    fn cheapest_cut(&self, origin_prim: &[Leaf], low: DVec3, high: DVec3) -> Option<CrossSection> {
+    fn cheapest_cut(&self, origin_prim: &[Leaf], low: DVec3, high: DVec3) -> Option<BinSplit> {
         let extent = high - low;
-        let axes = [0, 1, 2].map(|axis| CrossSection {
+        let axes = [0, 1, 2].map(|axis| BinSplit {
             axis,
             low: low[axis],
             scale: BINS as f64 / extent[axis],
@@ -151,13 +159,13 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
                 *bin = Some(bin.map_or(cluster, |bin| bin.union(cluster)));
             }
         }
-        let mut best: Option<(f64, CrossSection)> = None;
+        let mut best: Option<(f64, BinSplit)> = None;
         for (bins, axis) in bins.iter().zip(axes) {
             // [C]: thin slices of long clusters are not worth what their cones say.
             let slimness = extent.max_element() / extent[axis.axis];
             let Some((cost, first_right)) = cheapest_bins(bins) else { continue };
             if best.as_ref().is_none_or(|(least, _)| slimness * cost < *least) {
-                best = Some((slimness * cost, CrossSection { first_right, ..axis }));
+                best = Some((slimness * cost, BinSplit { first_right, ..axis }));
             }
         }
         best.map(|(_, cut)| cut)
@@ -181,7 +189,7 @@ fn partition(origin_prim: &mut [Leaf], is_first: impl Fn(&Leaf) -> bool) -> usiz
 }
 
 /// A cut between two bins along an axis.
-struct CrossSection {
+struct BinSplit {
     axis: usize,
     low: f64,
     /// Bins per length.
@@ -190,7 +198,7 @@ struct CrossSection {
     first_right: usize,
 }
 
-impl CrossSection {
+impl BinSplit {
     fn bin(&self, leaf: &Leaf) -> usize {
         (((leaf.middle[self.axis] - self.low) * self.scale) as usize).min(BINS - 1)
     }

@@ -19,7 +19,7 @@ mod tests;
 use glam::DVec3;
 
 pub use emission::Emission;
-use node::{LocalReceiver, Node, Subtree};
+use node::{LightTreeNode, LocalReceiver, Subtree};
 
 /// A binary tree of emitters.
 #[derive(Default)]
@@ -27,7 +27,7 @@ pub struct Tree {
     /// `None` if no emitter has power.
     root: Option<Subtree>,
     /// Everything but the root, which is never compared with anything. Siblings are neighbours: they are read together.
-    nodes: Vec<Node>,
+    nodes: Vec<LightTreeNode>,
     /// Of each emitter, the way from the root: the lowest bit is the first turn, 1 is right, and the highest bit set
     /// ends it. 0 for an emitter that is not in the tree.
     polylines: Vec<u64>,
@@ -38,7 +38,8 @@ pub struct Tree {
 
 impl Tree {
     /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no
-    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
+    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for
+    /// reuse.
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.

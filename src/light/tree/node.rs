@@ -8,7 +8,7 @@ use super::cluster::Cluster;
 
 /// A cluster in f32: the cost of a choice is that of reading nodes, and every rounding makes the cluster larger.
 #[derive(Clone, Copy)]
-pub struct Node {
+pub struct LightTreeNode {
     /// Sphere around the bounds.
     middle: Vec3,
     radius: f32,
@@ -49,7 +49,7 @@ const NEAREST: f64 = 1.0 / 3.0;
 /// Squared distances below this are taken for it, so that the importance of a point stays finite at the point.
 const SMALLEST_SQUARE: f64 = 1e-60;
 
-impl Node {
+impl LightTreeNode {
     /// The node of a cluster, relative to the middle of everything.
     pub fn new(cluster: &Cluster, origin: DVec3, subtree: Subtree) -> Self {
         let &Cluster { min, max, power, cone } = cluster;

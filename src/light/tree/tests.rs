@@ -35,13 +35,13 @@ impl Random {
     }
 }
 
-struct Triangle {
+struct TriangleLight {
     corners: [DVec3; 3],
     both_sides: bool,
     radiance: f64,
 }
 
-impl Triangle {
+impl TriangleLight {
     /// Corners within `size` of `middle`.
     fn random(random: &mut Random, middle: DVec3, size: f64) -> Self {
         let corners = std::array::from_fn(|_| middle + size * random.point());
@@ -77,15 +77,15 @@ impl Triangle {
     }
 }
 
-fn emissions(triangles: &[Triangle]) -> Vec<Emission> {
-    triangles.iter().map(Triangle::emission).collect()
+fn emissions(triangles: &[TriangleLight]) -> Vec<Emission> {
+    triangles.iter().map(TriangleLight::emission).collect()
 }
 
 /// Triangles in a cube of half-width 1.
-fn cloud(random: &mut Random, count: usize, size: f64) -> Vec<Triangle> {
+fn cloud(random: &mut Random, count: usize, size: f64) -> Vec<TriangleLight> {
     std::iter::repeat_with(|| {
         let middle = random.point();
-        Triangle::random(random, middle, size)
+        TriangleLight::random(random, middle, size)
     })
     .take(count)
     .collect()
@@ -144,7 +144,7 @@ fn with_a_floor_or_emitters_that_shine_everywhere_probabilities_sum_to_1() {
     let sparks: Vec<Emission> = (0..500).map(|i| spark(random.point(), f64::from(i))).collect();
     for tree in [build(&triangles, 0.1), build(&sparks, 0.0)] {
         for _ in 0..200 {
-            // What lies behind a surface lights it only where there is a floor.
+            // Emitters behind a surface light it only where there is a floor.
             let (x, any) = (1.5 * random.point(), random.normal());
             let normal = any.filter(|_| tree.floor > 0.0);
             let sum: f64 = probabilities(&tree, x, normal).iter().sum();
@@ -300,9 +300,9 @@ fn variance(lights: &[f64], probabilities: impl Iterator<Item = f64>) -> f64 {
 #[test]
 fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power() {
     let mut random = Random::new(8);
-    let triangles: Vec<Triangle> = std::iter::repeat_with(|| {
+    let triangles: Vec<TriangleLight> = std::iter::repeat_with(|| {
         let middle = DVec3::new(20.0 * random.point().x, 3.0 + 0.2 * random.unit(), 20.0 * random.point().x);
-        Triangle::random(&mut random, middle, 0.05)
+        TriangleLight::random(&mut random, middle, 0.05)
     })
     .take(10_000)
     .collect();
@@ -314,7 +314,7 @@ fn below_a_ceiling_the_variance_is_several_times_below_that_of_a_choice_by_power
         for _ in 0..30 {
             let x = DVec3::new(18.0 * random.point().x, random.unit(), 18.0 * random.point().x);
             let normal = Some((DVec3::Y + 0.5 * random.point()).normalize());
-            let light = |triangle: &Triangle| {
+            let light = |triangle: &TriangleLight| {
                 triangle.light(x, normal, (1.0 / 3.0, 1.0 / 3.0)) * triangle.doubled_area().length()
             };
             let lights: Vec<f64> = triangles.iter().map(light).collect();
@@ -397,5 +397,5 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
 
 #[test]
 fn a_node_is_small() {
-    assert!(size_of::<Node>() <= 64);
+    assert!(size_of::<LightTreeNode>() <= 64);
 }

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use super::mirror::reflect_above;
 use super::model::Bsdf;
 use crate::shade::incidence::{Bounce, Incidence};
-use crate::shade::media::{Crossing, Media};
+use crate::shade::media::{InterfaceCrossing, Media};
 
 /// Smooth dielectric with exact unpolarised Fresnel reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl Bsdf for Dielectric {
 /// Radiance is not scaled by η²: the factors of entering and leaving cancel along any path that ends outside, and
 /// emitters inside glass are to look as bright as they are set.
 fn pass(incidence: &Incidence, eta: f64, choice: f64) -> (DVec3, Media) {
-    let &Incidence { direction, media, crossing: Crossing { into, .. }, .. } = incidence;
+    let &Incidence { direction, media, crossing: InterfaceCrossing { into, .. }, .. } = incidence;
     let (normal, shading) = incidence.facing();
     for normal_used in [shading, normal] {
         let cos_i = -direction.dot(normal_used);

@@ -11,12 +11,12 @@ pub trait Bsdf {
     /// True if light from one direction leaves in one or two: next-event estimation cannot choose them.
     const IS_SPECULAR: bool;
 
-    /// Samples a continuation with four numbers in [0, 1); `None` if the path is absorbed. `eta` is the relative index of
-    /// refraction across the surface.
+    /// Samples a continuation with four numbers in [0, 1); `None` if the path is absorbed. `eta` is the relative index
+    /// of refraction across the surface.
     fn sample(&self, incidence: &Incidence, eta: impl FnOnce() -> f64, u: [f32; 4]) -> Option<Bounce>;
 
-    /// BSDF × cosine towards the unit direction `out`, and the density with which [`Self::sample`] chooses it; `None` where
-    /// no light goes.
+    /// BSDF × cosine towards the unit direction `out`, and the density with which [`Self::sample`] chooses it; `None`
+    /// where no light goes.
     fn evaluate(&self, _incidence: &Incidence, _out: DVec3) -> Option<(Vec3, f64)> {
         None
     }

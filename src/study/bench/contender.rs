@@ -9,7 +9,7 @@ use crate::spacetime::SpacetimeKind;
 pub enum Contender {
     /// The wavefront; against itself it shows what a ratio is worth.
     Wavefront,
-    /// The same kernels, one path after the other.
+    /// Kernels of the wavefront, one path after the other.
     PerPixel,
     /// The paper's march, one path after the other.
     Paper,

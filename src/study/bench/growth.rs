@@ -3,19 +3,19 @@
 use super::cells::{over_first, seconds};
 use super::race::{Race, Runs};
 use super::vary::Vary;
-use crate::plot::{Chart, Figure, Series};
+use crate::plot::{Diagram, Figure, Series};
 use crate::study::report::style_of;
-use crate::study::table::{NONE, Row, Table, percent};
+use crate::study::table::{NONE, Table, TableRow, percent};
 
 /// Size of one diagram, points.
-const CHART: [f64; 2] = [470.0, 420.0];
+const DIAGRAM: [f64; 2] = [470.0, 420.0];
 
 /// All contenders at all values as a table in Markdown, and how their times grow.
 pub(super) fn text(sweep: Vary, races: &[Race]) -> String {
     let row = |race: &Race, (index, runs): (usize, &Runs)| {
         let counters = runs.counters();
         let rays = (counters.rays + counters.light_rays) as f64;
-        Row::default()
+        TableRow::default()
             .maybe(sweep.label(), race.point.value.map(number))
             .cell("contender", runs.contender.name())
             .cell("seconds (range)", seconds(runs))
@@ -60,18 +60,18 @@ fn growth(races: &[Race]) -> String {
 /// Time of a render and thread time per path over the value, a curve per contender.
 pub(super) fn figure(sweep: Vary, races: &[Race]) -> Figure {
     let contenders = races.first().map_or(0, |race| race.runs.len());
-    let chart = |title: &str, label: &str, y: fn(&Runs) -> f64| {
+    let diagram = |title: &str, label: &str, y: fn(&Runs) -> f64| {
         let series = |index: usize| {
             let point = |race: &Race| [race.point.value.unwrap_or(f64::NAN), y(&race.runs[index])];
             let contender = races[0].runs[index].contender;
             let curve = races.iter().map(point).collect();
             Series { name: contender.name(), style: style_of(&contender), curves: vec![curve] }
         };
-        Chart::log_log(title, [sweep.label(), label], CHART, (0..contenders).map(series).collect())
+        Diagram::log_log(title, [sweep.label(), label], DIAGRAM, (0..contenders).map(series).collect())
     };
-    let charts = vec![
-        chart("Time of a render", "time (s)", |runs| runs.median(|stats| stats.seconds)),
-        chart("Time per path", "thread time per camera path (µs)", Runs::us_per_path),
+    let diagrams = vec![
+        diagram("Time of a render", "time (s)", |runs| runs.median(|stats| stats.seconds)),
+        diagram("Time per path", "thread time per camera path (µs)", Runs::us_per_path),
     ];
-    Figure { charts }
+    Figure { diagrams }
 }

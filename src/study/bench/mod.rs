@@ -1,6 +1,6 @@
 //! Races: the wavefront and other ways to render the same scene, all in turn in one run.
 //!
-//! A busy machine slows all contenders of a [`Bench`] alike, and ratios are taken within rounds.
+//! A busy machine slows all contenders of a `Bench` alike, and ratios are taken within rounds.
 
 mod cells;
 mod contender;
@@ -13,10 +13,10 @@ mod room;
 mod single;
 mod vary;
 
-pub use contender::Contender;
-pub use point::Point;
-pub use race::{Bench, Race, Runs};
-pub use record::Record;
-pub use report::report;
+pub(crate) use contender::Contender;
+pub(crate) use point::Point;
+pub(crate) use race::{Bench, Race};
+pub(crate) use record::BenchRecord;
+pub(crate) use report::report;
 pub use room::{bumpy_sphere, room};
-pub use vary::{Refusal, Vary};
+pub(crate) use vary::{Vary, VaryError};

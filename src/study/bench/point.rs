@@ -9,7 +9,7 @@ use crate::trace::Run;
 pub struct Point {
     /// The value of what is varied, if anything is.
     pub value: Option<f64>,
-    /// Which of the scenes.
+    /// Index of the scene.
     pub scene: usize,
     /// Its spacetime.
     pub spacetime: SpacetimeKind,

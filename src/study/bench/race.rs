@@ -1,5 +1,5 @@
-//! Races: every contender renders every point once to warm up, which is not counted, and there its picture is compared; then
-//! once in every round. Ratios are taken within rounds.
+//! Races: every contender renders every point once to warm up, which is not counted, and there its picture is compared;
+//! then once in every round. Ratios are taken within rounds.
 
 use super::contender::Contender;
 use super::point::Point;
@@ -103,7 +103,7 @@ impl Study for Bench {
 
 /// Refuses pictures that differ.
 fn same_bits((a, first): (Contender, &Image), (b, second): (Contender, &Image)) -> Result<(), Mismatch> {
-    for (one, other) in first.planes.iter().zip(&second.planes) {
+    for (one, other) in first.channels.iter().zip(&second.channels) {
         let differs = |(x, y): (&f32, &f32)| x.to_bits() != y.to_bits();
         if let Some(pixel) = one.values.iter().zip(&other.values).position(differs) {
             let at = (pixel % first.size.0, pixel / first.size.0);
@@ -173,7 +173,7 @@ impl Runs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Plane;
+    use crate::film::Channel;
     use crate::scene::Settings;
     use crate::spacetime::SpacetimeKind;
 
@@ -210,7 +210,7 @@ mod tests {
             height: 2,
             origin: (0, 0),
             size: (2, 2),
-            planes: vec![Plane { name: "G".to_owned(), values: vec![0.0, 0.0, 0.0, value] }],
+            channels: vec![Channel { name: "G".to_owned(), values: vec![0.0, 0.0, 0.0, value] }],
             attributes: Vec::new(),
         };
         let check = |value: f32| {

@@ -10,7 +10,7 @@ use crate::trace::Stats;
 
 /// All that was measured, for programs.
 #[derive(Serialize)]
-pub struct Record<'a> {
+pub struct BenchRecord<'a> {
     version: &'static str,
     scene: &'a str,
     /// Name of what was varied.
@@ -45,7 +45,7 @@ struct ContenderRecord<'a> {
     rounds: &'a [Stats],
 }
 
-impl<'a> Record<'a> {
+impl<'a> BenchRecord<'a> {
     /// The record of `races` on `scene`.
     pub fn new(scene: &'a str, sweep: Option<Vary>, races: &'a [Race]) -> Self {
         let points = races.iter().map(PointRecord::of).collect();

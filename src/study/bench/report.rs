@@ -5,7 +5,7 @@ use super::vary::Vary;
 use super::{growth, single};
 use crate::scene::flag_name;
 use crate::study::report::Report;
-use crate::study::table::{Row, Table};
+use crate::study::table::{Table, TableRow};
 use crate::trace::Stats;
 
 /// The report of `races`, one for each value of what is varied, or else one; a row for every render that counts.
@@ -24,10 +24,10 @@ pub fn report(sweep: Option<Vary>, races: &[Race]) -> Report {
     }
 }
 
-fn rows(sweep: Option<Vary>, race: &Race) -> impl Iterator<Item = Row> {
+fn rows(sweep: Option<Vary>, race: &Race) -> impl Iterator<Item = TableRow> {
     race.runs.iter().flat_map(move |runs| {
         let start = move |round: usize| {
-            Row::default()
+            TableRow::default()
                 .maybe("sweep", sweep.map(flag_name))
                 .maybe("value", race.point.value)
                 .cell("contender", runs.contender.name())
@@ -38,7 +38,7 @@ fn rows(sweep: Option<Vary>, race: &Race) -> impl Iterator<Item = Row> {
 }
 
 /// Adds the cells of a render.
-fn render(row: Row, race: &Race, stats: &Stats) -> Row {
+fn render(row: TableRow, race: &Race, stats: &Stats) -> TableRow {
     let (settings, counters) = (&race.point.settings, &stats.counters);
     let occupancy = stats.stages.occupancy.share();
     let mut row = row

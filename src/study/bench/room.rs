@@ -17,8 +17,8 @@ const EMISSION: f32 = 40.0;
 /// Triangles of an icosahedron.
 const FACES: usize = 20;
 
-/// The camera, spacetime and settings of `scene` in a closed room of its own, with grey bumpy walls of about `triangles`
-/// triangles around the hole and a spherical lamp above it; and how many triangles these are.
+/// The camera, spacetime and settings of `scene` in a closed room of its own, with grey bumpy walls of about
+/// `triangles` triangles around the hole and a spherical lamp above it; and how many triangles these are.
 ///
 /// A room, because every ray in it meets a triangle, wherever the camera looks and however the hole bends it.
 pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {

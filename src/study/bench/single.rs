@@ -3,13 +3,13 @@
 use super::cells::{over_first, seconds};
 use super::contender::Contender;
 use super::race::{Race, Runs};
-use crate::plot::{Axis, Chart, Color, Figure, Series, Style};
+use crate::plot::{Axis, Color, Diagram, Figure, Series, Style};
 use crate::study::report::style_of;
-use crate::study::table::{NONE, Row, Table, percent, with_error};
+use crate::study::table::{NONE, Table, TableRow, percent, with_error};
 use crate::trace::Stats;
 
 /// Size of the diagram, points.
-const CHART: [f64; 2] = [620.0, 420.0];
+const DIAGRAM: [f64; 2] = [620.0, 420.0];
 /// Half the width of a bar, rounds.
 const BAR: f64 = 0.38;
 /// Room above the highest curve, relative to it.
@@ -50,7 +50,7 @@ fn contenders(race: &Race) -> String {
         let rays = counters.rays + counters.light_rays;
         let median = runs.median(|stats| stats.seconds);
         let rate = |count: u64, unit: f64| format!("{:.2}", count as f64 / median / unit);
-        Row::default()
+        TableRow::default()
             .cell("contender", runs.contender.name())
             .cell("seconds (range)", seconds(runs))
             .cell("time ratio", over_first(index, race.ratio(index, 0)))
@@ -83,7 +83,7 @@ fn stages(runs: &Runs) -> String {
         let seconds = runs.median(|stats| parts(stats)[index].1);
         let of_items =
             |value: &dyn Fn(f64) -> String| items.map_or(NONE.to_owned(), |items| value(items as f64));
-        Row::default()
+        TableRow::default()
             .cell("stage", name)
             .cell("thread seconds", format!("{seconds:.3}"))
             .cell("share", percent(seconds / whole))
@@ -142,14 +142,14 @@ pub(super) fn figure(race: &Race) -> Figure {
     let rounds = race.runs.first().map_or(0, |runs| runs.rounds.len());
     let heights = series.iter().flat_map(|series| series.curves.iter().flatten()).map(|[_, y]| *y);
     let top = ROOM * heights.fold(0.0, f64::max);
-    let chart = Chart {
+    let diagram = Diagram {
         title: "Time by round".to_owned(),
         x: Axis::linear("round", [0.5, rounds as f64 + 0.5]),
         y: Axis::linear("thread time per camera path (µs)", [0.0, top]),
-        size: CHART,
+        size: DIAGRAM,
         series,
     };
-    Figure { charts: vec![chart] }
+    Figure { diagrams: vec![diagram] }
 }
 
 /// `seconds` of thread time per camera path.

@@ -35,19 +35,19 @@ pub enum Vary {
 /// Values that cannot be measured.
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
-pub struct Refusal {
+pub struct VaryError {
     /// Problem, in words.
     pub cause: String,
     /// Remedy.
     pub remedy: String,
 }
 
-fn refuse<T>(cause: impl Into<String>, remedy: impl Into<String>) -> Result<T, Refusal> {
-    Err(Refusal { cause: cause.into(), remedy: remedy.into() })
+fn refuse<T>(cause: impl Into<String>, remedy: impl Into<String>) -> Result<T, VaryError> {
+    Err(VaryError { cause: cause.into(), remedy: remedy.into() })
 }
 
 impl Vary {
-    /// Label of the axis of a chart.
+    /// Label of the axis of a diagram.
     pub fn label(self) -> &'static str {
         match self {
             Self::Batch => "rays in flight per worker",
@@ -61,8 +61,8 @@ impl Vary {
         }
     }
 
-    /// The scenes that it takes to measure `values`, or else values that suit `scene`, and the points, which but for the
-    /// value are like `base`.
+    /// The scenes that it takes to measure `values`, or else values that suit `scene`, and the points, which but for
+    /// the value are like `base`.
     ///
     /// # Errors
     /// If there is nothing to vary in the scene, or a value is not one that it can have.
@@ -71,7 +71,7 @@ impl Vary {
         values: &[f64],
         base: &Point,
         scene: Baked,
-    ) -> Result<(Vec<Baked>, Vec<Point>), Refusal> {
+    ) -> Result<(Vec<Baked>, Vec<Point>), VaryError> {
         self.check_scene(&scene)?;
         let usual = self.usual(base, &scene);
         let values = if values.is_empty() { &usual } else { values };
@@ -94,7 +94,7 @@ impl Vary {
     }
 
     /// Refuses a scene in which there is nothing to vary.
-    fn check_scene(self, scene: &Baked) -> Result<(), Refusal> {
+    fn check_scene(self, scene: &Baked) -> Result<(), VaryError> {
         if !matches!(self, Self::Radius | Self::Tolerance) {
             return Ok(());
         }
@@ -140,7 +140,7 @@ impl Vary {
     }
 
     /// Refuses values that this cannot have.
-    fn check(self, value: f64, base: &Point, scene: &Baked) -> Result<(), Refusal> {
+    fn check(self, value: f64, base: &Point, scene: &Baked) -> Result<(), VaryError> {
         let whole = match self {
             Self::Batch => 1..=1 << 20,
             Self::Threads => 1..=1024,

@@ -1,6 +1,6 @@
 //! Committing a step that met nothing: from its end to the start of the next.
 
-use super::flight::{CurvedFlight, CurvedMove, Lane, Turn};
+use super::flight::{CurvedFlight, CurvedMove, FlightStatus, Lane};
 use super::rays::Curved;
 use super::worlds::Worlds;
 use crate::geodesic::Phase;
@@ -46,7 +46,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Committing<'_, M, R, 
             error: pick(step.error, flight.error),
             origin_prim: if taken { flight.origin_prim.none_beside() } else { flight.origin_prim },
             steps: flight.steps + 1,
-            turn: self.turn(flight, taken, &phase, next_h),
+            status: self.status(flight, taken, &phase, next_h),
             ..*flight
         }
     }
@@ -54,13 +54,13 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Committing<'_, M, R, 
 
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Committing<'_, M, R, W> {
     #[inline(always)]
-    fn turn(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> Turn {
+    fn status(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> FlightStatus {
         // The next step must be finite and not vanish; a state lost for good is reported.
         let moves = next_h.value() > f64::from(f32::MIN_POSITIVE);
         let is_left = taken & self.0.chart.is_left(flight.fate, phase.w.value(), phase.v.value());
-        let gone = if flight.fate == Fate::Escapes { Turn::Leaves } else { Turn::Falls };
-        let turn = if is_left { gone } else { Turn::Flies };
-        let turn = if taken | moves { turn } else { Turn::NonFinite };
-        if flight.steps < MAX_STEPS { turn } else { Turn::StepLimit }
+        let gone = if flight.fate == Fate::Escapes { FlightStatus::Leaves } else { FlightStatus::Falls };
+        let status = if is_left { gone } else { FlightStatus::Flies };
+        let status = if taken | moves { status } else { FlightStatus::NonFinite };
+        if flight.steps < MAX_STEPS { status } else { FlightStatus::StepLimit }
     }
 }

@@ -1,6 +1,6 @@
 //! Crossing the throat of a wormhole: a step that passes it ends there, and the ray goes on in the chart of the other side.
 
-use super::flight::{CurvedFlight, CurvedMove, Lane, Turn};
+use super::flight::{CurvedFlight, CurvedMove, FlightStatus, Lane};
 use super::rays::Curved;
 use super::worlds::{Throat, Worlds};
 use crate::geometry::PrimitiveId;
@@ -43,7 +43,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
             fate: Fate::Escapes,
             origin_prim: PrimitiveId::none_on(side.other()),
             steps: flight.steps + 1,
-            turn: Turn::Flies,
+            status: FlightStatus::Flies,
             ..*flight
         }
     }

@@ -14,7 +14,7 @@ impl<R: Real + Field<Block<LANES>: Send>> Lane for R {}
 
 /// State of a ray after a step that met nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turn {
+pub enum FlightStatus {
     /// It flies on.
     #[default]
     Flies,
@@ -28,7 +28,7 @@ pub enum Turn {
     NonFinite,
 }
 
-plain_field!(Fate, Turn);
+plain_field!(Fate, FlightStatus);
 
 columns! {
     /// A curved ray.
@@ -58,7 +58,7 @@ columns! {
         /// Steps so far, rejected ones included.
         steps: u32,
         /// State after the last of them.
-        turn: Turn,
+        status: FlightStatus,
     }
 }
 

@@ -14,7 +14,7 @@ use crate::trace::transport::Landing;
 
 columns! {
     /// A point beside an arc.
-    pub struct Beside => BesideBlock {
+    pub struct ArcPoint => ArcPointBlock {
         /// World position.
         point: DVec3,
     }
@@ -33,11 +33,11 @@ pub struct Directing;
 
 impl Kernel for Directing {
     type A = Arc;
-    type B = Beside;
+    type B = ArcPoint;
     type Out = Heading;
 
     #[inline(always)]
-    fn run(&self, arc: &Arc, beside: &Beside) -> Heading {
+    fn run(&self, arc: &Arc, beside: &ArcPoint) -> Heading {
         let velocity = arc.velocity(arc.parameter_beside(beside.point));
         Heading { direction: velocity / velocity.length() }
     }
@@ -49,7 +49,7 @@ pub struct ArcLandings {
     /// Lanes and what they meet.
     pub hits: Vec<(usize, Found)>,
     arcs: Columns<Arc>,
-    points: Columns<Beside>,
+    points: Columns<ArcPoint>,
     headings: Columns<Heading>,
 }
 
@@ -62,7 +62,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
         found: Found,
     ) -> Landing {
         let Found { point: position, primitive } = found;
-        let Heading { direction } = Directing.run(&self.arc(flight, step), &Beside { point: position });
+        let Heading { direction } = Directing.run(&self.arc(flight, step), &ArcPoint { point: position });
         Landing { position, direction, primitive }
     }
 
@@ -77,7 +77,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
         let ArcLandings { hits, arcs, points, headings } = landings;
         let lanes = hits.len();
         arcs.gather(lanes, |i| self.arc(&flights.get(hits[i].0), &moves.get(hits[i].0)));
-        points.gather(lanes, |i| Beside { point: hits[i].1.point });
+        points.gather(lanes, |i| ArcPoint { point: hits[i].1.point });
         headings.resize(lanes);
         map(&Directing, arcs.blocks(lanes), points.blocks(lanes), headings.blocks_mut(lanes));
         for (i, &(lane, Found { point: position, primitive })) in hits.iter().enumerate() {

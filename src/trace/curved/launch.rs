@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::flight::{CurvedFlight, Lane, Turn};
+use super::flight::{CurvedFlight, FlightStatus, Lane};
 use super::rays::Curved;
 use super::worlds::Worlds;
 use crate::geodesic::{Launch, Phase};
@@ -13,7 +13,7 @@ use crate::spacetime::ConformallyFlat;
 
 columns! {
     /// Start of a ray.
-    pub struct Place => PlaceBlock {
+    pub struct LaunchPoint => LaunchPointBlock {
         /// World position.
         position: DVec3,
         /// Unit direction in the static frame.
@@ -38,12 +38,12 @@ impl<'a, M: ConformallyFlat, R: Lane, W: Worlds<M>> Launching<'a, M, R, W> {
 }
 
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Launching<'_, M, R, W> {
-    type A = Place;
+    type A = LaunchPoint;
     type B = ();
     type Out = CurvedFlight<R>;
 
     #[inline(always)]
-    fn run(&self, start: &Place, (): &()) -> CurvedFlight<R> {
+    fn run(&self, start: &LaunchPoint, (): &()) -> CurvedFlight<R> {
         let Self { curved: Curved { medium, worlds, control, .. }, order } = self;
         let position = start.position - worlds.of(start.origin_prim).center;
         let Launch { radial, along, b, w, v, fate } =
@@ -63,7 +63,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Launching<'_, M, R, W
             fate,
             origin_prim: start.origin_prim,
             steps: 0,
-            turn: Turn::Flies,
+            status: FlightStatus::Flies,
         }
     }
 }

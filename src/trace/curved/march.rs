@@ -4,13 +4,13 @@
 use super::super::steppers::{UseStepper, with_stepper};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use crate::geodesic::{Control, End, Phase, Step, Stepper, Verdict, fit_arc, follow, until};
+use crate::geodesic::{Control, OrbitEnd, Phase, Step, StepVerdict, Stepper, fit_arc, follow, until};
 use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate};
-use crate::trace::land_on_ray::{Part, Pose};
+use crate::trace::land_on_ray::{PartialStep, Pose};
 
 /// A stepper at work in a spacetime.
 pub trait March<R: Lane>: Send + Sync {
@@ -28,13 +28,13 @@ pub trait March<R: Lane>: Send + Sync {
     );
 
     /// Pose after a part of a step.
-    fn pose(&self, span: &Span<R>, part: &Part) -> Pose;
+    fn pose(&self, span: &Span<R>, part: &PartialStep) -> Pose;
 
     /// Poses after parts of blocks of steps.
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        parts: &[<Part as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     );
 
@@ -42,7 +42,7 @@ pub trait March<R: Lane>: Send + Sync {
     fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>);
 
     /// Follows a ray to infinity.
-    fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R>;
+    fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R>;
 }
 
 /// The march by `stepper`; `None` for the paper's scheme, which is a transport of its own.
@@ -105,10 +105,10 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
         let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
-        // What no search follows need not be followed closely.
+        // Steps that no search follows need not be followed closely.
         let arc_error =
             if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
-        let Verdict { accepted, next_h, error } =
+        let StepVerdict { accepted, next_h, error } =
             self.held.control.judge::<S>(&step, arc_error, flight.error);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
@@ -133,11 +133,11 @@ struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
 
 impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     type A = Span<R>;
-    type B = Part;
+    type B = PartialStep;
     type Out = Pose;
 
     #[inline(always)]
-    fn run(&self, span: &Span<R>, part: &Part) -> Pose {
+    fn run(&self, span: &Span<R>, part: &PartialStep) -> Pose {
         span.pose(&self.0.held.medium, &self.0.stepper, part)
     }
 }
@@ -159,14 +159,14 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
         map_full::<R, _>(self, flights, NOTHING, moves);
     }
 
-    fn pose(&self, span: &Span<R>, part: &Part) -> Pose {
+    fn pose(&self, span: &Span<R>, part: &PartialStep) -> Pose {
         Posing(self).run(span, part)
     }
 
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        parts: &[<Part as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
         map(&Posing(self), spans, parts, poses);
@@ -179,7 +179,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
         (part.h, part.end)
     }
 
-    fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> End<R> {
+    fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R> {
         follow(&self.held.medium, &self.stepper, &self.held.control, (b, start, fate), 0.0, |_| {}).end
     }
 }

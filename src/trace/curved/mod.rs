@@ -15,17 +15,17 @@ use glam::DVec3;
 
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
-use crate::geodesic::{Arc, End};
+use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::Lensed;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 use commit_step::Committing;
-use flight::Turn;
+use flight::FlightStatus;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
 use land_on_arc::ArcLandings;
-use launch::{Launching, Place};
+use launch::{LaunchPoint, Launching};
 pub use rays::Curved;
 use span::Span;
 use worlds::Worlds;
@@ -33,13 +33,13 @@ use worlds::Worlds;
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
     /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
-        match next.turn {
-            Turn::Flies => Outcome::Flying(*next),
-            Turn::Leaves if !self.sky => self.escaped(next, next.direction()),
-            Turn::Leaves => self.direction_at_infinity(next),
-            Turn::Falls => Outcome::Captured,
-            Turn::StepLimit => Outcome::StepLimit,
-            Turn::NonFinite => Outcome::NonFinite,
+        match next.status {
+            FlightStatus::Flies => Outcome::Flying(*next),
+            FlightStatus::Leaves if !self.sky => self.escaped(next, next.direction()),
+            FlightStatus::Leaves => self.direction_at_infinity(next),
+            FlightStatus::Falls => Outcome::Captured,
+            FlightStatus::StepLimit => Outcome::StepLimit,
+            FlightStatus::NonFinite => Outcome::NonFinite,
         }
     }
 
@@ -50,12 +50,12 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
     /// The direction at infinity of a ray that meets nothing more.
     fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
-            End::Crosses(_, swept) => {
+            OrbitEnd::Crosses(_, swept) => {
                 let (sin, cos) = libm::sincos(swept.value());
                 self.escaped(flight, (cos * flight.radial + sin * flight.along).normalize())
             }
-            End::StepLimit => Outcome::StepLimit,
-            End::Falls | End::Misses | End::NonFinite => Outcome::NonFinite,
+            OrbitEnd::StepLimit => Outcome::StepLimit,
+            OrbitEnd::Falls | OrbitEnd::Misses | OrbitEnd::NonFinite => Outcome::NonFinite,
         }
     }
 
@@ -75,9 +75,9 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct Asking<'a, M, R, W>(&'a Curved<M, R, W>);
+struct CurvedQueries<'a, M, R, W>(&'a Curved<M, R, W>);
 
-impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Asking<'_, M, R, W> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for CurvedQueries<'_, M, R, W> {
     type A = CurvedFlight<R>;
     type B = CurvedMove<R>;
     type Out = Query<Arc>;
@@ -95,7 +95,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Asking<'_, M, R, W> {
 /// Buffers that a wavefront of curved rays keeps from round to round.
 #[derive(Default)]
 pub struct Scratch<R: Lane> {
-    starts: Columns<Place>,
+    starts: Columns<LaunchPoint>,
     launched: Columns<CurvedFlight<R>>,
     on_rays: RayLandings<Span<R>>,
     on_arcs: ArcLandings,
@@ -115,7 +115,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
     }
 
     fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&Place { position, direction, origin_prim }, &())
+        Launching::of(self).run(&LaunchPoint { position, direction, origin_prim }, &())
     }
 
     fn launch_all(
@@ -128,7 +128,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         let lanes = starts.len();
         places.gather(lanes, |i| {
             let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            Place { position, direction, origin_prim }
+            LaunchPoint { position, direction, origin_prim }
         });
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
@@ -155,7 +155,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         moves: &[<Self::Move as Row>::Block],
         queries: &mut [<Query<Arc> as Row>::Block],
     ) {
-        map(&Asking(self), flights, moves, queries);
+        map(&CurvedQueries(self), flights, moves, queries);
     }
 
     #[inline(always)]
@@ -224,7 +224,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         crossings.iter().for_each(|&(lane, beyond)| flights.set(lane, beyond));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
-            if flights.get(lane).turn != Turn::Flies && found.is_none() {
+            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());
             }
         }

@@ -8,7 +8,7 @@ use super::span::Span;
 use super::worlds::Worlds;
 use crate::math::columns::Row;
 use crate::spacetime::ConformallyFlat;
-use crate::trace::land_on_ray::{Part, Pose, Retrace};
+use crate::trace::land_on_ray::{PartialStep, Pose, Retrace};
 
 impl<M, R, W> Retrace for Curved<M, R, W>
 where
@@ -43,14 +43,14 @@ where
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 1.0 }
     }
 
-    fn pose(&self, span: &Span<R>, part: &Part) -> Pose {
+    fn pose(&self, span: &Span<R>, part: &PartialStep) -> Pose {
         self.march.pose(span, part)
     }
 
     fn pose_all(
         &self,
         spans: &[<Span<R> as Row>::Block],
-        parts: &[<Part as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
         self.march.pose_all(spans, parts, poses);

@@ -6,7 +6,7 @@ use super::flight::Lane;
 use crate::geodesic::{Phase, Step, Stepper};
 use crate::math::columns::columns;
 use crate::spacetime::ConformallyFlat;
-use crate::trace::land_on_ray::{Part, Pose};
+use crate::trace::land_on_ray::{PartialStep, Pose};
 
 columns! {
     /// A step, of which parts are wanted.
@@ -33,7 +33,7 @@ columns! {
 impl<R: Lane> Span<R> {
     /// Pose after a part of the step.
     #[inline(always)]
-    pub fn pose<M: ConformallyFlat>(&self, medium: &M, stepper: &impl Stepper, part: &Part) -> Pose {
+    pub fn pose<M: ConformallyFlat>(&self, medium: &M, stepper: &impl Stepper, part: &PartialStep) -> Pose {
         let start = Phase { w: self.w, v: self.v, pull: self.pull };
         let step = Step::new(medium, stepper, self.b, start, R::of(part.s) * self.h);
         let ([x, y], [momentum_x, momentum_y]) = (step.displacement(), step.end_momentum());

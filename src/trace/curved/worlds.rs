@@ -9,10 +9,10 @@ use crate::spacetime::{ConformallyFlat, Mouths, Side};
 
 /// A world around the centre of a spacetime.
 #[derive(Clone, Copy, Debug)]
-pub struct World {
-    /// World position of the centre.
+pub struct OneWorld {
+    /// OneWorld position of the centre.
     pub center: DVec3,
-    /// World bounds of the geometry; arcs outside are not searched.
+    /// OneWorld bounds of the geometry; arcs outside are not searched.
     bounds: (DVec3, DVec3),
     /// Arcs with a larger sagitta are searched in halves: a thick chord meets too many boxes. Infinite without boxes.
     longest_sagitta: f64,
@@ -24,9 +24,9 @@ pub struct World {
 #[derive(Clone, Copy, Debug)]
 pub struct TwoWorlds {
     /// The world of `center`.
-    pub near: World,
+    pub near: OneWorld,
     /// The world of `far_center`.
-    pub far: World,
+    pub far: OneWorld,
     /// Way from one to the other.
     pub mouths: Mouths,
     /// Isotropic radius of the throat.
@@ -47,20 +47,20 @@ pub trait Worlds<M>: Send + Sync {
     /// Aim of light samples in them, with winding numbers up to `max_winding`; `None` if it finds no rays around `medium`.
     fn aim(&self, medium: M, max_winding: u32) -> Option<Lensed<M>>;
 
-    /// World of rays that start on a primitive, or in free space on its side.
-    fn of(&self, origin_prim: PrimitiveId) -> &World;
+    /// OneWorld of rays that start on a primitive, or in free space on its side.
+    fn of(&self, origin_prim: PrimitiveId) -> &OneWorld;
 
     /// Throat that joins them; `None` if there is but one.
     fn throat(&self) -> Option<Throat<'_>>;
 }
 
-impl<M: ConformallyFlat> Worlds<M> for World {
+impl<M: ConformallyFlat> Worlds<M> for OneWorld {
     fn aim(&self, medium: M, max_winding: u32) -> Option<Lensed<M>> {
         Lensed::new(medium, self.center, max_winding)
     }
 
     #[inline(always)]
-    fn of(&self, _: PrimitiveId) -> &World {
+    fn of(&self, _: PrimitiveId) -> &OneWorld {
         self
     }
 
@@ -76,7 +76,7 @@ impl<M: ConformallyFlat> Worlds<M> for TwoWorlds {
     }
 
     #[inline(always)]
-    fn of(&self, origin_prim: PrimitiveId) -> &World {
+    fn of(&self, origin_prim: PrimitiveId) -> &OneWorld {
         match origin_prim.side() {
             Side::Near => &self.near,
             Side::Far => &self.far,
@@ -98,7 +98,7 @@ const MOST_FOR_SAGITTA: u32 = 8;
 /// Most times that an arc is halved because of its length.
 const MOST_FOR_LENGTH: u32 = 60;
 
-impl World {
+impl OneWorld {
     /// A world about `center`, with this geometry if any, for arcs within `arc_tolerance` of their rays.
     pub fn new(center: DVec3, geometry: Option<&Geometry>, arc_tolerance: f64) -> Self {
         let bounds = geometry.and_then(Geometry::bounds);

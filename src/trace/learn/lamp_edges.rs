@@ -17,8 +17,8 @@ use crate::scene::{Baked, MAX_SPP};
 
 /// Probes of a pixel that come early: as many as samples.
 const EARLY_PROBES: u32 = 16;
-/// Samples of a pixel for each of its later probes, so that their cost is in proportion: an image of a lamp too small for any
-/// probe to meet is met by few samples.
+/// Samples of a pixel for each of its later probes, so that their cost is in proportion: an image of a lamp too small
+/// for any probe to meet is met by few samples.
 const SAMPLES_PER_PROBE: u32 = 4;
 /// Number of the first probe: samples that no picture has.
 const FIRST_PROBE: u32 = MAX_SPP;
@@ -56,8 +56,9 @@ impl LampEdges {
     }
 
     /// Finds more edges in the part of a picture that starts at `origin`, of `size` pixels, before its sample of number
-    /// `first_sample` is taken. Gives those of them whose samples so far are worth taking again, with short paths: few samples
-    /// without them would make most of the noise of all. `probe` traces; `None`, and nothing changed, if it does.
+    /// `first_sample` is taken. Gives those of them whose samples so far are worth taking again, with short paths: few
+    /// samples without them would make most of the noise of all. `probe` traces; `None`, and nothing changed, if it
+    /// does.
     pub fn refine(
         &mut self,
         scene: &Baked,
@@ -199,7 +200,7 @@ mod tests {
             return with_render_transport(scene, Whole(scene));
         }
         let image = render(scene, &Run::default(), &AtomicBool::new(false), &|_| ()).image;
-        image.plane("R").unwrap().iter().map(|&value| f64::from(value)).collect()
+        image.channel("R").unwrap().iter().map(|&value| f64::from(value)).collect()
     }
 
     /// Means over pictures with different seeds, and their variances.

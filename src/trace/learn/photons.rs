@@ -29,7 +29,8 @@ pub fn count(settings: &Settings) -> u32 {
     (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
 }
 
-/// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt is due.
+/// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt
+/// is due.
 pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, count: u32) {
     if illumination.heuristic.is_some() {
         illumination.guides = guides(job, transport, &illumination.lights, count).unwrap_or_default();
@@ -84,7 +85,7 @@ struct Flying {
     index: u32,
     hops: u32,
     media: Media,
-    way: Way,
+    path: PathHash,
 }
 
 /// Fate of a photon where it lands.
@@ -137,49 +138,49 @@ impl Shower<'_> {
         let outwards = if flips { -spot.normal } else { spot.normal };
         let [u, v, ..] = self.numbers(index, 1).map(f64::from);
         let direction = shade::sample_cosine(outwards, u, v);
-        let mut way = Way::default();
-        way.add(self.scene.geometry.surface(emitter.primitive).entity);
-        let photon = Flying { index, hops: 0, media: Media::VACUUM, way };
+        let mut path = PathHash::default();
+        path.add(self.scene.geometry.surface(emitter.primitive).entity);
+        let photon = Flying { index, hops: 0, media: Media::VACUUM, path };
         let (position, origin_prim) = (spot.position, emitter.primitive);
         Some((photon, Start { position, direction, origin_prim, carried: C::default() }))
     }
 
     fn land<C>(&self, photon: Flying, landing: &Landing, carried: C) -> Event<C> {
-        let Flying { index, hops, media, mut way } = photon;
+        let Flying { index, hops, media, mut path } = photon;
         let materials = &self.scene.materials;
         let meeting = meet(self.scene, landing, media);
         let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, media));
-        way.add(surface.surface.entity);
+        path.add(surface.surface.entity);
         if !materials[surface.surface.material as usize].is_specular() {
             return Event::Stays(Photon {
                 side: landing.primitive.side(),
                 position: landing.position,
                 normal: incidence.facing().0,
                 direction: -landing.direction,
-                way: (hops > 0).then_some(way.0),
+                way: (hops > 0).then_some(path.0),
             });
         }
         let bounce = shade::scatter(materials, &incidence, self.numbers(index, 2 + hops));
         let Some(bounce) = bounce.filter(|_| hops < MOST_HOPS) else { return Event::IsLost };
-        way.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
+        path.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
         let &Landing { position, primitive: origin_prim, .. } = landing;
         Event::Goes(
-            Flying { index, hops: hops + 1, media: bounce.media, way },
+            Flying { index, hops: hops + 1, media: bounce.media, path },
             Start { position, direction: bounce.direction, origin_prim, carried },
         )
     }
 }
 
-/// Way that a photon came, as one number: FNV-1a over what it met.
-struct Way(u64);
+/// Hash of the path that a photon took: FNV-1a over what it met.
+struct PathHash(u64);
 
-impl Default for Way {
+impl Default for PathHash {
     fn default() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
     }
 }
 
-impl Way {
+impl PathHash {
     fn add(&mut self, event: u32) {
         for byte in event.to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

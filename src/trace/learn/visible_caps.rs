@@ -1,8 +1,8 @@
 //! Caps of spherical lamps that can be seen.
 //!
 //! A lamp often sticks out of a wall: a room may be lit by the tip of a sphere whose rest lies behind the ceiling. Rays
-//! aimed at the rest are wasted. Paths from the camera tell which part is met at all; light samples are then limited to a
-//! cap around it. Light from beyond the cap is still found by BSDF sampling.
+//! aimed at the rest are wasted. Paths from the camera tell which part is met at all; light samples are then limited to
+//! a cap around it. Light from beyond the cap is still found by BSDF sampling.
 
 use std::collections::HashMap;
 

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::super::illumination::End;
+use super::super::illumination::LightEnd;
 use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
-use super::deposit::{Emitter, Source, deposit};
+use super::deposit::{EmitterId, LightSource, deposit};
 use super::light::share;
 use crate::geometry::SurfacePoint;
 
@@ -17,10 +17,10 @@ pub fn emit(job: &Job, surface: &SurfacePoint, landing: &Landing, vertex: &Verte
     let material = &job.scene.materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if material.emission != Vec3::ZERO && (front || material.emits_both_sides) {
-        let source = Source { emitter: Emitter::Surface(landing.primitive), segments: path.depth };
+        let source = LightSource { emitter: EmitterId::Surface(landing.primitive), segments: path.depth };
         let throughput = path.throughput;
         deposit(path, source, || {
-            let share = share(job, vertex, End::Surface(landing, surface.normal));
+            let share = share(job, vertex, LightEnd::Surface(landing, surface.normal));
             throughput * material.emission * share
         });
     }

@@ -2,12 +2,12 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::illumination::{End, Illumination};
+use super::super::illumination::{Illumination, LightEnd};
 use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
-use super::deposit::{Emitter, Source, deposit};
+use super::deposit::{EmitterId, LightSource, deposit};
 use super::draw::Draw;
 use super::meet::meet;
 use crate::geometry::{Found, Segment};
@@ -79,7 +79,7 @@ pub fn propose(
 
 /// State of a light ray after a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress<Flight> {
+pub enum LightRayProgress<Flight> {
     /// It flies on.
     Flying(Flight),
     /// It ended: at its target or not.
@@ -90,7 +90,7 @@ pub enum Progress<Flight> {
     Escaped(AtInfinity),
 }
 
-/// Progress of a light ray after a move, and its payload there.
+/// LightRayProgress of a light ray after a move, and its payload there.
 #[inline]
 pub fn settle<T: Transport>(
     job: &Job,
@@ -98,9 +98,9 @@ pub fn settle<T: Transport>(
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
     vertex: &Vertex,
-) -> (Progress<T::Flight>, T::Carried) {
+) -> (LightRayProgress<T::Flight>, T::Carried) {
     if passes_its_light(illumination, transport, (flight, step, found), vertex) {
-        return (Progress::Ended(true), T::Carried::default());
+        return (LightRayProgress::Ended(true), T::Carried::default());
     }
     let geometry = lands_exactly(vertex).then_some(&job.scene.geometry);
     let (outcome, carried) = transport.settle(geometry, flight, step, found);
@@ -128,33 +128,33 @@ pub fn passes_its_light<T: Transport>(
     })
 }
 
-/// Progress of a light ray, from the outcome of its move.
+/// LightRayProgress of a light ray, from the outcome of its move.
 #[inline]
 pub fn conclude<Flight>(
     illumination: &Illumination,
     vertex: &Vertex,
     outcome: Outcome<Flight>,
-) -> Progress<Flight> {
+) -> LightRayProgress<Flight> {
     let after_specular = vertex.target == Target::ThroughSpecular;
     match outcome {
-        Outcome::Flying(next) => Progress::Flying(next),
-        Outcome::Landed(landing) if after_specular => Progress::Landed(landing),
-        Outcome::Escaped(there) if after_specular => Progress::Escaped(there),
-        Outcome::Landed(landing) => Progress::Ended(illumination.reaches(vertex.target, &landing)),
+        Outcome::Flying(next) => LightRayProgress::Flying(next),
+        Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
+        Outcome::Escaped(there) if after_specular => LightRayProgress::Escaped(there),
+        Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
-        Outcome::Escaped(there) => Progress::Ended(match vertex.target {
+        Outcome::Escaped(there) => LightRayProgress::Ended(match vertex.target {
             Target::Infinity(side) => side == there.side,
             Target::Point(index) => {
                 illumination.lights.point(index).is_some_and(|(side, _)| side == there.side)
             }
             Target::Nothing | Target::Surface(..) | Target::ThroughSpecular => false,
         }),
-        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => Progress::Ended(false),
+        Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => LightRayProgress::Ended(false),
     }
 }
 
-/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in which
-/// it goes on, or `None` if it ends.
+/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in
+/// which it goes on, or `None` if it ends.
 #[inline]
 pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let materials = &job.scene.materials;
@@ -163,7 +163,7 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
     let material = &materials[surface.surface.material as usize];
     let front = landing.direction.dot(surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {
-        let source = Source { emitter: Emitter::Surface(meeting.primitive), segments: vertex.depth };
+        let source = LightSource { emitter: EmitterId::Surface(meeting.primitive), segments: vertex.depth };
         deposit(path, source, || vertex.brings * material.emission);
     }
     if !material.is_specular() || vertex.depth >= job.settings.max_depth {
@@ -183,7 +183,7 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, there: AtInfinity) {
     let environment = job.scene.environment(there.side);
     if vertex.after_specular && !environment.is_black() {
-        let source = Source { emitter: Emitter::Infinity, segments: vertex.depth };
+        let source = LightSource { emitter: EmitterId::Infinity, segments: vertex.depth };
         deposit(path, source, || vertex.brings * environment.radiance(there.direction));
     }
 }
@@ -205,7 +205,7 @@ fn passes<T: Transport>(
 
 /// The share that light sampling leaves of light that the last bounce found.
 #[inline]
-pub fn share(job: &Job, vertex: &Vertex, end: End) -> f32 {
+pub fn share(job: &Job, vertex: &Vertex, end: LightEnd) -> f32 {
     let Some(illumination) = job.illumination.as_ref().filter(|_| vertex.density > 0.0) else { return 1.0 };
     let density = vertex.chance * illumination.density(vertex, end);
     illumination.share_of_find(density, vertex.density) as f32

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::transport::Landing;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
-use crate::shade::{Crossing, Incidence, Media};
+use crate::shade::{Incidence, InterfaceCrossing, Media};
 
 /// Surface that a path meets where it lands.
 pub struct Meeting {
@@ -14,7 +14,7 @@ pub struct Meeting {
     /// Its surface.
     pub surface: SurfacePoint,
     /// Through what light goes that is refracted.
-    crossing: Crossing,
+    crossing: InterfaceCrossing,
 }
 
 /// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
@@ -24,7 +24,7 @@ pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let mut meeting = Meeting {
         primitive: landing.primitive,
         surface: scene.geometry.surface_point(landing.primitive, landing.position),
-        crossing: Crossing::none(media),
+        crossing: InterfaceCrossing::none(media),
     };
     if is_glass(scene, &meeting.surface) {
         meet_upon(scene, landing, media, &mut meeting);
@@ -58,5 +58,5 @@ fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeti
         return;
     }
     let faces = std::iter::once(face(&meeting.surface)).chain(others().map(|(_, other)| face(&other)));
-    meeting.crossing = Crossing::of(media, faces);
+    meeting.crossing = InterfaceCrossing::of(media, faces);
 }

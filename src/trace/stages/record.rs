@@ -1,8 +1,8 @@
 //! Records of the camera ray's end and of its path's march steps, for the planes that were asked for.
 
-use super::super::fate::Fate;
 use super::super::job::Job;
 use super::super::path::Path;
+use super::super::ray_end::RayEnd;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use crate::film::CameraRay;
@@ -18,7 +18,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
     }
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
-        fate: Fate::Hit,
+        fate: RayEnd::Hit,
         side: Some(landing.primitive.side()),
         length: ray.length,
         position: landing.position,
@@ -30,7 +30,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
 
 /// Records how a camera ray ended that meets nothing; `side` is where it left to infinity.
 #[inline]
-pub fn record_end(job: &Job, path: &Path, fate: Fate, side: Option<Side>, samples: &mut Samples) {
+pub fn record_end(job: &Job, path: &Path, fate: RayEnd, side: Option<Side>, samples: &mut Samples) {
     if path.depth > 1 {
         return;
     }

@@ -7,7 +7,7 @@ use super::super::path::{Gathers, Path};
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
-use super::deposit::{Source, deposit};
+use super::deposit::{LightSource, deposit};
 use super::draw::Numbers;
 use super::emit::emit;
 use super::light::{self, propose};
@@ -75,7 +75,7 @@ pub fn shade(
 /// Ends a path's light ray, at its target or not: the unit direction in which the path goes on, or `None` if it ends.
 #[inline]
 pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> Option<DVec3> {
-    if is_reached && let Some(source) = Source::reached(vertex) {
+    if is_reached && let Some(source) = LightSource::reached(vertex) {
         deposit(path, source, || vertex.brings);
     }
     vertex.light_ray_in_flight = false;

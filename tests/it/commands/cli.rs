@@ -233,7 +233,7 @@ fn all_planes_are_asked_for_at_once() {
     let place = folder();
     assert_good(&render(&place, &["--spp", "1", "--no-png", "--aov", "depth,all"]));
     let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
-    let planes: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
+    let planes: Vec<&str> = image.channels.iter().map(|plane| plane.name.as_str()).collect();
     for aov in
         ["depth.Z", "normal.X", "albedo.R", "position.X", "entity.ID", "variance.R", "steps.N", "fate.ID"]
     {
@@ -247,7 +247,7 @@ fn a_transparent_background_has_no_alpha_in_the_picture_the_preview_and_by_every
     let flags = ["--spp", "4", "--stats", "out.json"];
     let corner = || {
         let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
-        [image.plane("R").unwrap()[0], image.plane("A").unwrap()[0]]
+        [image.channel("R").unwrap()[0], image.channel("A").unwrap()[0]]
     };
     assert_good(&render(&place, &flags));
     assert_eq!(corner(), [1.0, 1.0]);
@@ -491,7 +491,7 @@ fn a_render_writes_the_picture_its_preview_and_the_statistics() {
 
     let image = warpfront::film::read_exr(&place.path("out.exr")).unwrap();
     assert_eq!((image.width, image.height, image.origin, image.size), (16, 12, (4, 2), (8, 6)));
-    let planes: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
+    let planes: Vec<&str> = image.channels.iter().map(|plane| plane.name.as_str()).collect();
     assert_eq!(planes, ["R", "G", "B", "A", "depth.Z", "normal.X", "normal.Y", "normal.Z"]);
     let stats: serde_json::Value =
         serde_json::from_slice(&fs::read(place.path("out.json")).unwrap()).unwrap();

@@ -144,11 +144,11 @@ fn the_difference_is_written_with_its_sign_and_its_picture() {
     assert!(stderr(&output).contains("diff.exr") && stderr(&output).contains("logarithmic"));
     assert_eq!(place.files(), ["a.exr", "b.exr", "diff.exr", "diff.png", "scene.toml"]);
     let [a, b, difference] = ["a.exr", "b.exr", "diff.exr"].map(|name| read_exr(&place.path(name)).unwrap());
-    let names = |image: &Image| image.planes.iter().map(|plane| plane.name.clone()).collect::<Vec<_>>();
+    let names = |image: &Image| image.channels.iter().map(|plane| plane.name.clone()).collect::<Vec<_>>();
     assert_eq!(names(&difference), names(&a));
-    let pixel = |image: &Image| image.plane("G").unwrap()[700];
+    let pixel = |image: &Image| image.channel("G").unwrap()[700];
     assert_eq!(pixel(&difference), pixel(&a) - pixel(&b));
-    let depth = difference.plane("depth.Z").unwrap();
+    let depth = difference.channel("depth.Z").unwrap();
     assert!(depth.iter().all(|value| !value.is_nan()) && depth[0] == 0.0);
     let png = image::open(place.path("diff.png")).unwrap();
     assert_eq!((png.width(), png.height()), (48, 36));
@@ -157,7 +157,7 @@ fn the_difference_is_written_with_its_sign_and_its_picture() {
 #[test]
 fn values_that_are_not_finite_are_told_and_count_as_a_difference() {
     let place = two_seeds();
-    edit(&place, "a.exr", |image| image.planes[0].values[5] = f32::NAN);
+    edit(&place, "a.exr", |image| image.channels[0].values[5] = f32::NAN);
     let output = compare(&place, &["--max-rmse", "1e6"]);
     assert_code(&output, 1);
     let text = stdout(&output);
@@ -178,7 +178,7 @@ fn pictures_of_other_sizes_windows_and_channels_are_refused() {
     render(&place, "b.exr", &["--crop", "0,0,8,8"]);
     assert_refused(&compare(&place, &["-o", "d.exr"]), &["`b.exr`", "8x8", "help:", "--crop"]);
     render(&place, "b.exr", &[]);
-    edit(&place, "b.exr", |image| image.planes.retain(|plane| plane.name != "G"));
+    edit(&place, "b.exr", |image| image.channels.retain(|plane| plane.name != "G"));
     assert_refused(&compare(&place, &[]), &["`b.exr` has no channel G", "help:"]);
     assert_eq!(place.files(), ["a.exr", "b.exr", "scene.toml"]);
 }

@@ -124,7 +124,7 @@ fn a_picture_in_which_some_pixels_have_no_sample_is_written_and_is_no_success() 
     let text = stderr(&output);
     assert!(text.contains("warning: the time limit was over: 2048 of 3072 pixels have no sample"), "{text}");
     let image = read_exr(&place.path("out.exr")).unwrap();
-    let red = image.plane("R").unwrap();
+    let red = image.channel("R").unwrap();
     assert!(red[..1024].iter().all(|&value| value == 1.0) && red[1024..].iter().all(|&value| value == 0.0));
 }
 
@@ -178,7 +178,7 @@ fn samples_are_the_same_however_many_are_asked_for() {
     for asked in [64, 256, 1 << 31] {
         let (spp, part) = stopped(asked, Some(1e9));
         assert_eq!(spp, 16);
-        assert_eq!(part.plane("R"), whole.plane("R"), "16 of {asked}");
+        assert_eq!(part.channel("R"), whole.channel("R"), "16 of {asked}");
     }
 }
 

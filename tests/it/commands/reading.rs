@@ -1,4 +1,5 @@
-//! What the command reads and what it refuses to: names, encodings, folders, memory, and outputs that would replace inputs.
+//! What the command reads and what it refuses to: names, encodings, folders, memory, and outputs that would replace
+//! inputs.
 
 use std::fs;
 use std::process::Output;

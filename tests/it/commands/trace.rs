@@ -114,8 +114,8 @@ fn every_exact_ray_ends_where_it_should_with_every_stepper() {
 
 #[test]
 fn single_precision_is_as_good_as_it_says() {
-    // 100 roundings are the least tolerance. Beside the critical ray the impact parameter itself is moved, to 64 roundings
-    // from the critical one, lest rounding change the fate.
+    // 100 roundings are the least tolerance. Beside the critical ray the impact parameter itself is moved, to 64
+    // roundings from the critical one, lest rounding change the fate.
     let found = traced(&exact_rays(), &["--precision", "f32"]);
     worst_end(&found, 100.0 * f64::from(f32::EPSILON), 1e-5);
 }

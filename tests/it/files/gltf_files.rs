@@ -38,7 +38,7 @@ fn render(folder: &Folder, flags: &[&str]) -> Output {
 /// Mean of the red channel.
 fn mean(folder: &Folder) -> f64 {
     let picture = read_exr(&folder.path("out.exr")).unwrap();
-    let red = &picture.planes.iter().find(|plane| plane.name == "R").unwrap().values;
+    let red = &picture.channels.iter().find(|plane| plane.name == "R").unwrap().values;
     red.iter().map(|value| f64::from(*value)).sum::<f64>() / red.len() as f64
 }
 

@@ -116,7 +116,7 @@ fn colour(bytes: &[u8]) -> (Vec3, Vec<String>) {
 fn planes(bytes: &[u8]) -> Vec<(String, f32)> {
     let place = Place::with("a.exr", bytes);
     let image = read_exr(&place.path).unwrap();
-    image.planes.into_iter().map(|plane| (plane.name, plane.values[0])).collect()
+    image.channels.into_iter().map(|plane| (plane.name, plane.values[0])).collect()
 }
 
 /// What is said of a file that can be used neither as a sky nor to compare.
@@ -200,7 +200,7 @@ fn files_without_colours_say_which_channels_there_are() {
         Place::with("z.exr", &Exr::with(&[("depth.Z", 1.0), ("normal.X", 0.0), ("normal.Y", 0.0)]).bytes());
     let message = load_image(&place.path, &Files::default()).unwrap_err().to_string();
     assert!(message.contains("channels depth.Z, normal.X, normal.Y"), "{message}");
-    assert_eq!(read_exr(&place.path).unwrap().planes.len(), 3);
+    assert_eq!(read_exr(&place.path).unwrap().channels.len(), 3);
     let cube = Exr { map: Some(EnvironmentMap::Cube), ..Exr::rgb() };
     assert!(picture(&cube.bytes()).unwrap_err().contains("cube map"));
 }

@@ -3,7 +3,7 @@
 use crate::support::Random;
 use crate::support::orbits::{fly, with_every_stepper};
 use glam::DVec3;
-use warpfront::geodesic::{End, Launch};
+use warpfront::geodesic::{Launch, OrbitEnd};
 use warpfront::math::cross_exact;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
@@ -33,7 +33,9 @@ fn energy_and_angular_momentum_at_the_end_are_those_of_the_start() {
             let (mut energy, mut momentum) = (0.0f64, 0.0f64);
             for (x, direction, launch) in &launches {
                 let journey = fly::<_, _, f64>(&medium, &stepper, tolerance, launch, OUT, |_| ());
-                let End::Crosses(phase, swept) = journey.end else { panic!("{name}: {:?}", journey.end) };
+                let OrbitEnd::Crosses(phase, swept) = journey.end else {
+                    panic!("{name}: {:?}", journey.end)
+                };
                 let n_of = |x: DVec3| medium.index(1.0 / x.length());
                 let end = launch.position(phase.w, swept);
                 // The radial momentum, and b/ρ across: |p| is n only as far as the constraint holds.

@@ -8,7 +8,7 @@ use crate::support::Random;
 use crate::support::orbits::{aimed, exact_sweep, fly, sensitivity_at_infinity, swept, with_every_stepper};
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use rayon::prelude::*;
-use warpfront::geodesic::{Dop853, End, Journey, Launch, Rkn6, Stepper};
+use warpfront::geodesic::{Dop853, Journey, Launch, OrbitEnd, Rkn6, Stepper};
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
@@ -41,8 +41,8 @@ impl ConformallyFlat for Flat {
 /// The fate that a ray met, if it met one.
 fn met<R: Real>(journey: &Journey<R>) -> Option<Fate> {
     match journey.end {
-        End::Crosses(..) => Some(Fate::Escapes),
-        End::Falls => Some(Fate::Falls),
+        OrbitEnd::Crosses(..) => Some(Fate::Escapes),
+        OrbitEnd::Falls => Some(Fate::Falls),
         _ => None,
     }
 }
@@ -217,7 +217,9 @@ fn radial_rays_fall_in_or_leave_without_turning() {
                 assert_eq!(met(&to_infinity::<f64, _>(&medium, &stepper, 1e-5, &inwards)), Some(Fate::Falls));
                 let outwards = Launch::new(&medium, rho * axis, axis, f64::EPSILON);
                 let journey = to_infinity::<f64, _>(&medium, &stepper, 1e-5, &outwards);
-                let End::Crosses(phase, swept) = journey.end else { panic!("{name}: {:?}", journey.end) };
+                let OrbitEnd::Crosses(phase, swept) = journey.end else {
+                    panic!("{name}: {:?}", journey.end)
+                };
                 assert!(swept.abs() <= f64::EPSILON * (1.0 + outwards.b / rho), "{name}: {swept:e}");
                 let direction = outwards.direction(phase.w, phase.v, swept);
                 assert!(direction.distance(axis) < 4.0 * f64::EPSILON, "{name}: {direction}");
@@ -234,7 +236,9 @@ fn rays_through_the_centre_of_flat_space_go_straight_on() {
                 let (x, direction) = (distance * DVec3::NEG_X, DVec3::new((1.0 - b * b).sqrt(), b, 0.0));
                 let launch = Launch::new(&Flat, x, direction, f64::EPSILON);
                 let journey = fly::<_, _, f64>(&Flat, &stepper, 1e-5, &launch, 0.5 / distance, |_| ());
-                let End::Crosses(phase, swept) = journey.end else { panic!("{name}: {:?}", journey.end) };
+                let OrbitEnd::Crosses(phase, swept) = journey.end else {
+                    panic!("{name}: {:?}", journey.end)
+                };
                 let end = launch.direction(phase.w, phase.v, swept);
                 let off = end.distance(direction.normalize());
                 assert!(off < 1e-13, "{name}: off by {off:e} at b = {b:e}");
@@ -293,7 +297,9 @@ fn rays_in_a_vanishing_field_are_straight_to_the_last_digits() {
                 let launch = Launch::new(&medium, x, direction, f64::EPSILON);
                 for tolerance in [1e-2, 1e-5, 1e-10] {
                     let journey = to_infinity::<f64, _>(&medium, &stepper, tolerance, &launch);
-                    let End::Crosses(phase, swept) = journey.end else { panic!("{name}: {:?}", journey.end) };
+                    let OrbitEnd::Crosses(phase, swept) = journey.end else {
+                        panic!("{name}: {:?}", journey.end)
+                    };
                     let off = launch.direction(phase.w, phase.v, swept).distance(direction);
                     assert!(off < 4e-15, "{name} at {tolerance:e}, r_s = {r_s:e}: off by {off:e}");
                 }
@@ -311,7 +317,7 @@ fn bits(
 ) -> Option<[u64; 3]> {
     let launch = Launch::new(medium, x, direction, f64::EPSILON);
     let journey = to_infinity::<f64, _>(medium, &Rkn6, 1e-5, &launch);
-    let End::Crosses(phase, swept) = journey.end else {
+    let OrbitEnd::Crosses(phase, swept) = journey.end else {
         assert_eq!(met(&journey), Some(Fate::Falls), "{launch:?}");
         return None;
     };
@@ -480,7 +486,7 @@ fn a_hundred_million_rays_end_as_the_shadow_says() {
                 }
                 None => local[2] += 1,
             }
-            if let End::Crosses(phase, swept) = journey.end {
+            if let OrbitEnd::Crosses(phase, swept) = journey.end {
                 let end = launch.direction(phase.w, phase.v, swept);
                 assert!((end.length() - 1.0).abs() < 1e-14, "{x:?} {direction:?} leads to {end}");
             }

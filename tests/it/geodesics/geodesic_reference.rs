@@ -6,7 +6,7 @@ use crate::support::orbits::{
 };
 use crate::support::table;
 use glam::DVec3;
-use warpfront::geodesic::{Dop853, End, Launch, Rkn6, Stepper};
+use warpfront::geodesic::{Dop853, Launch, OrbitEnd, Rkn6, Stepper};
 use warpfront::math::dual::Dual;
 use warpfront::spacetime::{Fate, Schwarzschild};
 
@@ -40,8 +40,8 @@ fn follow_table<S: Stepper>(stepper: S, tolerance: f64) -> Worst {
         worst.steps += journey.steps;
         worst.rays += 1;
         let (phase, angle) = match (row.text("status"), journey.end) {
-            ("captured", End::Falls) => continue,
-            ("escaped", End::Crosses(phase, angle)) => (phase, angle),
+            ("captured", OrbitEnd::Falls) => continue,
+            ("escaped", OrbitEnd::Crosses(phase, angle)) => (phase, angle),
             (status, end) => panic!("{name} is {status} in the table and {end:?} here"),
         };
         let sens = row.number("sens");
@@ -175,8 +175,8 @@ fn rays_on_either_side_of_the_edge_of_every_shadow_of_the_table_fall_and_escape(
                 for tolerance in [1e-3, 1e-5] {
                     let journey = fly::<_, _, f64>(&medium, &stepper, tolerance, &launch, 0.0, |_| ());
                     let ended = match journey.end {
-                        End::Crosses(..) => Fate::Escapes,
-                        End::Falls => Fate::Falls,
+                        OrbitEnd::Crosses(..) => Fate::Escapes,
+                        OrbitEnd::Falls => Fate::Falls,
                         end => panic!("{name} at {tolerance:e}, rho = {rho}: {end:?}"),
                     };
                     assert_eq!(ended, fate, "{name} at {tolerance:e}, rho = {rho}");

@@ -1,7 +1,8 @@
-//! Lenses without a horizon, in which every ray from a point meets again exactly: Maxwell's fish-eye and Luneburg's lens.
+//! Lenses without a horizon, in which every ray from a point meets again exactly: Maxwell's fish-eye and Luneburg's
+//! lens.
 //!
-//! References: Born, Wolf, "Principles of Optics", 7th ed., 4.2.2 (fish-eye). Luneburg, "Mathematical Theory of Optics",
-//! 1964, 27–29.
+//! References: Born, Wolf, "Principles of Optics", 7th ed., 4.2.2 (fish-eye). Luneburg, "Mathematical Theory of
+//! Optics", 1964, 27–29.
 
 use std::f64::consts::PI;
 
@@ -71,8 +72,8 @@ impl ConformallyFlat for Luneburg {
     }
 }
 
-/// A ray followed until a step is `past` some point, and exactly to that point: its phase there, the angle swept and the
-/// steps tried. `past` sees the step and the angle swept before it.
+/// A ray followed until a step is `past` some point, and exactly to that point: its phase there, the angle swept and
+/// the steps tried. `past` sees the step and the angle swept before it.
 fn follow_until<M: ConformallyFlat, S: Stepper>(
     (medium, stepper): (&M, &S),
     tolerance: f64,

@@ -9,7 +9,7 @@ use warpfront::scene::{Precision, StepperKind};
 use warpfront::spacetime::{
     Chart, ConformallyFlat, Entry, Metric, ReissnerNordstrom, SPACETIMES, Schwarzschild, SpacetimeKind,
 };
-use warpfront::study::free::{Accuracy, Exit, FreeRay, Status, trace};
+use warpfront::study::free::{Accuracy, Exit, FreeRay, FreeRayEnd, trace};
 
 /// Every spacetime with its parameters at the ends of their ranges and within.
 fn media() -> Vec<(String, Metric)> {
@@ -134,7 +134,11 @@ fn every_exact_ray_around_a_charged_hole_ends_where_it_should_with_every_stepper
                     format!("{stepper:?} {tolerance:e}, row {} ({})", row.text("id"), row.text("kind"));
                 let found = follow(row, stepper, tolerance);
                 let Some(crossing) = found.crossing else {
-                    assert_eq!((found.status, row.text("status")), (Status::Captured, "captured"), "{name}");
+                    assert_eq!(
+                        (found.status, row.text("status")),
+                        (FreeRayEnd::Captured, "captured"),
+                        "{name}"
+                    );
                     continue;
                 };
                 assert_eq!(row.text("status"), "escaped", "{name}");

@@ -136,7 +136,8 @@ fn the_hierarchy_finds_what_a_search_of_everything_finds_far_from_the_origin() {
     }
 }
 
-/// Walls across x = 1, 2, …, 9, alternately of triangles and of spheres that touch the axis there, with an identity each.
+/// Walls across x = 1, 2, …, 9, alternately of triangles and of spheres that touch the axis there, with an identity
+/// each.
 fn gauntlet() -> Geometry {
     let mut primitives = Primitives::default();
     for i in 1..10u32 {

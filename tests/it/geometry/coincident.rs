@@ -100,7 +100,7 @@ fn doubled_glass_looks_as_it_does_once() {
     let way = "[render]\nspp = 16\nmax_depth = 64\nlight_sampling = \"off\"\n[environment]\nkind = \"sky\"\n";
     let picture = |content: &str| {
         let scene = baked("", DVec3::new(9.0, 14.0, 25.0), way, content);
-        render(&scene, &Run::default()).image.plane("R").unwrap().to_vec()
+        render(&scene, &Run::default()).image.channel("R").unwrap().to_vec()
     };
     let cube = |file, material| mesh(file, DVec3::ZERO, material);
     let once = picture(&cube("cube.obj", "glass"));
@@ -141,8 +141,8 @@ fn doubles_are_said() {
 
 #[test]
 fn a_camera_in_glass_in_ice_knows_where_it_is() {
-    // What is seen of the sky is what it is with the camera outside: here, from inside, through both at right angles, all of it
-    // but what is reflected.
+    // What is seen of the sky is what it is with the camera outside: here, from inside, through both at right angles,
+    // all of it but what is reflected.
     let way = "[render]\nspp = 1024\nmax_depth = 64\nroulette_depth = 64\nlight_sampling = \"off\"\n[environment]\ncolor = [1, 1, 1]\n";
     let ball = |radius, material| sphere(DVec3::ZERO, radius, material);
     let shell = |around: &str| {

@@ -1,5 +1,5 @@
-//! Whatever is sampled has the density that is said of it: lobes, emitters, skies, the choice of lights, learnt directions,
-//! filters of pixels.
+//! Whatever is sampled has the density that is said of it: lobes, emitters, skies, the choice of lights, learnt
+//! directions, filters of pixels.
 
 use std::f64::consts::PI;
 
@@ -10,13 +10,13 @@ use warpfront::film::Aov;
 use warpfront::geometry::{Disk, PrimitiveId, Shape, Sphere};
 use warpfront::light::{
     Approach, Cap, Emission, Emitter, EmitterHit, Form, Guide, Incoming, Lensed, LightSampler, Lights,
-    Photon, Receiver, Sky, Straight, Target, Tree, View,
+    Photon, Receiver, Sky, StraightAim, Target, Tree, View,
 };
 use warpfront::scene::Baked;
 
 use warpfront::shade::{
-    Crossing, Dielectric, Diffuse, Environment, Incidence, LatLong, Lobe, Material, Media, Mirror, Sampler,
-    evaluate, fresnel, scatter,
+    Dielectric, Diffuse, Environment, Incidence, InterfaceCrossing, LatLong, Lobe, Material, Media, Mirror,
+    Sampler, evaluate, fresnel, scatter,
 };
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
@@ -57,7 +57,7 @@ fn incidence(random: &mut Random, material: usize) -> Incidence {
         shading_normal,
         material: material as u32,
         media: Media::VACUUM,
-        crossing: Crossing::of(Media::VACUUM, std::iter::once((material as u32, enters))),
+        crossing: InterfaceCrossing::of(Media::VACUUM, std::iter::once((material as u32, enters))),
     }
 }
 
@@ -346,7 +346,7 @@ fn film_points(filter: &str, sampler: &str) -> Vec<[f64; 2]> {
     let wall = rectangle(DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y);
     let run = Run { aovs: vec![Aov::Position], ..Run::default() };
     let image = render(&scene_with(&text, &[("wall.obj", &wall)]), &run).image;
-    let planes = ["position.X", "position.Y"].map(|name| image.plane(name).unwrap());
+    let planes = ["position.X", "position.Y"].map(|name| image.channel(name).unwrap());
     let half = 0.5 * SIDE as f64;
     let point = |index: usize| {
         let (column, row) = ((index % SIDE) as f64 + 0.5, (index / SIDE) as f64 + 0.5);
@@ -415,7 +415,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let scene = lit_scene(&mut random, r_s);
         let (sampler, floor): (Box<dyn LightSampler>, f64) = match scene.spacetime.medium() {
             Some((center, metric)) => (Box::new(Lensed::new(metric, center, 1).unwrap()), 0.1),
-            None => (Box::new(Straight), 0.0),
+            None => (Box::new(StraightAim), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);

@@ -1,5 +1,6 @@
-//! Every emitter, seen from inside, from outside and from itself, at every size, in flat space and near and far from a hole:
-//! in a closed room that emits 1 and reflects ½ the radiance is 2 wherever one looks, whichever way lights are sampled.
+//! Every emitter, seen from inside, from outside and from itself, at every size, in flat space and near and far from a
+//! hole: in a closed room that emits 1 and reflects ½ the radiance is 2 wherever one looks, whichever way lights are
+//! sampled.
 
 use crate::support::{
     camera, closed_box, film, hole, material, mean_red, mesh, render, scene_with, sphere, vector,
@@ -112,7 +113,7 @@ fn furnace(
     let mut scene = scene_with(&text, &files.each_ref().map(|(name, file)| (*name, file.as_str())));
     (scene.settings.light_sampling, scene.settings.heuristic) = (way, heuristic);
     let rendered = render(&scene, &Run::default());
-    let (mean, red) = (mean_red(&rendered), rendered.image.plane("R").unwrap());
+    let (mean, red) = (mean_red(&rendered), rendered.image.channel("R").unwrap());
     let squares: f64 = red.iter().map(|&value| (f64::from(value) - mean).powi(2)).sum();
     (0.5 * mean, 0.5 * squares.sqrt() / red.len() as f64)
 }
@@ -127,7 +128,8 @@ fn check(all: &[(Emitters, f64, Spacetime, (LightSampling, Heuristic))], spp: u3
     for &(emitters, size, spacetime, way) in all {
         let (mean, error) = furnace(emitters, size, spacetime, way, spp);
         println!("{emitters:?} of size {size:e}, {spacetime:?}, {way:?}: {mean:.5} ± {error:.5}");
-        // The noise is below two permille but of straight light sampling: where surfaces meet, its variance is not finite.
+        // The noise is below two permille but of straight light sampling: where surfaces meet, its variance is not
+        // finite.
         let allowed = (if way.0 == Straight { 4.0 } else { 3.0 } * error).max(2e-3);
         if (mean - 1.0).abs() > allowed {
             wrong.push((emitters, size, spacetime, way, mean));

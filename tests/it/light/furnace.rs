@@ -48,8 +48,8 @@ fn russian_roulette_keeps_the_mean_of_a_furnace() {
 
 #[test]
 fn light_sampling_keeps_the_mean_of_a_furnace() {
-    // In flat space, and around holes in closed spheres that emit: at the photon sphere, at 0.93, no ray that goes around is
-    // lost; a sphere of radius 0.3 is all but the horizon.
+    // In flat space, and around holes in closed spheres that emit: at the photon sphere, at 0.93, no ray that goes
+    // around is lost; a sphere of radius 0.3 is all but the horizon.
     let inside = |radius| sphere(DVec3::ZERO, radius, "wall");
     let bent = [0.3, 0.4, 0.93, 1.3].map(|radius| (hole(DVec3::ZERO, 1.0), inside(radius)));
     for (before, inside) in [(String::new(), String::new())].into_iter().chain(bent) {

@@ -1,5 +1,6 @@
 //! Irradiance of small patches: under a white sky with a hole in it, from spheres, rectangles, triangles and disks in
-//! flat space, found by chance and aimed at, and from all of them around a hole, aimed at and found by chance to a permille.
+//! flat space, found by chance and aimed at, and from all of them around a hole, aimed at and found by chance to a
+//! permille.
 
 use crate::support::chi_square::Verdict;
 use crate::support::{
@@ -24,8 +25,8 @@ struct Patch {
 }
 
 impl Patch {
-    /// Its irradiance in what `around` describes, by `sampling`: `off`, what its rays run into; `straight`, in flat space,
-    /// what light samples find alone; `geodesic`, both.
+    /// Its irradiance in what `around` describes, by `sampling`: `off`, what its rays run into; `straight`, in flat
+    /// space, what light samples find alone; `geodesic`, both.
     fn irradiance(&self, sampling: &str, around: &str, files: &[(&str, &str)]) -> f64 {
         let Patch { place, normal, size } = *self;
         let u = normal.any_orthonormal_vector();
@@ -102,8 +103,8 @@ fn by_all_ways(
     exact: f64,
 ) -> Vec<(String, f64, f64, f64)> {
     let by = |sampling: &str| {
-        // What is aimed finds small lights as well as large ones; of a light that hardly rises above the horizon the patch's
-        // own size changes what is seen.
+        // What is aimed finds small lights as well as large ones; of a light that hardly rises above the horizon the
+        // patch's own size changes what is seen.
         let allowed = if sampling == "off" { allowed(exact) } else { 3e-3 * exact + 1e-7 };
         (format!("{name} {sampling}"), patch.irradiance(sampling, around, files), exact, allowed)
     };
@@ -211,7 +212,7 @@ fn estimate(around: &str, render_settings: &str, files: &[(&str, &str)], sky: &E
     let mut scene = scene_with(&text, &[files, &[("patch.obj", patch.as_str())]].concat());
     scene.environment = sky.clone();
     let rendered = render(&scene, &Run::default());
-    let pixels = rendered.image.plane("R").unwrap().iter().map(|&value| f64::from(value));
+    let pixels = rendered.image.channel("R").unwrap().iter().map(|&value| f64::from(value));
     let (n, mean) = ((SIDE * SIDE) as f64, mean_red(&rendered));
     let square = pixels.map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
     (mean, (square / n).sqrt())

@@ -1,5 +1,5 @@
-//! Edges of lamps as the camera sees them; that they are smooth from few samples, and right in the mean, is tested beside
-//! the code.
+//! Edges of lamps as the camera sees them; that they are smooth from few samples, and right in the mean, is tested
+//! beside the code.
 
 use crate::support::{camera, film, material, render, scene, sphere};
 use glam::DVec3;
@@ -13,7 +13,7 @@ fn a_lamp_that_fills_the_picture_has_no_edges() {
         + &material("lamp", 0.0, 3.0)
         + &sphere(DVec3::ZERO, 2.0, "lamp");
     let rendered = render(&scene(&text), &Run::default());
-    assert!(rendered.image.plane("R").expect("R").iter().all(|&value| value == 3.0));
+    assert!(rendered.image.channel("R").expect("R").iter().all(|&value| value == 3.0));
     // A ray for each sample and each probe, those of the pixels around included.
     assert_eq!(rendered.stats.counters.paths, 16 * 64);
     assert_eq!(rendered.stats.counters.rays, (16 + 8) * 64);

@@ -6,7 +6,7 @@ use crate::support::lit::{TWISTS, room};
 use crate::support::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, Straight, Target};
+use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, StraightAim, Target};
 use warpfront::scene::Baked;
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
@@ -25,7 +25,7 @@ impl Lit {
         scene.settings.tolerance = 1e-9;
         let (sampler, floor): (Box<dyn LightSampler>, f64) = match scene.spacetime.medium() {
             Some((center, metric)) => (Box::new(Lensed::new(metric, center, max_winding).unwrap()), 0.1),
-            None => (Box::new(Straight), 0.0),
+            None => (Box::new(StraightAim), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
         let lights = Lights::new(geometry, materials, environment, punctual, floor);
@@ -134,8 +134,8 @@ fn a_ray_has_the_density_with_which_it_was_chosen() {
     ends_agree(32, 30, 100, 1e-3);
 }
 
-/// The mean over all directions of the density is the share of samples that get to where they are aimed at: that checks the
-/// geometry factor from which densities come by nothing but counting.
+/// The mean over all directions of the density is the share of samples that get to where they are aimed at: that checks
+/// the geometry factor from which densities come by nothing but counting.
 fn densities_integrate(rooms: u64, receivers: usize, count: usize) {
     let (mut squares, mut sum_of_z, mut tests, mut worst) = (0.0, 0.0, 0.0, 0.0f64);
     for number in 0..rooms {
@@ -182,8 +182,8 @@ fn densities_integrate_to_the_share_of_samples_that_meet_their_lights() {
     densities_integrate(24, 4, 20_000);
 }
 
-/// Inside a sphere that emits every light sample is seen, from every point of it and of what is in it, and whatever a ray meets
-/// could have been sampled: rounding does not decide which side of the sphere a point of it is on.
+/// Inside a sphere that emits every light sample is seen, from every point of it and of what is in it, and whatever a
+/// ray meets could have been sampled: rounding does not decide which side of the sphere a point of it is on.
 #[test]
 fn what_is_seen_inside_a_lamp_can_all_be_sampled() {
     for (number, size) in [1e-3, 0.1, 1.0, 50.0, 1e3, 1e6].into_iter().enumerate() {
@@ -213,7 +213,8 @@ fn what_is_seen_inside_a_lamp_can_all_be_sampled() {
                     let is_same = (density / sample.2 - 1.0).abs() < 1e-4;
                     is_met(&lit, sample.1, &landing) && is_same
                 });
-                // From the ball's own outer side only the room can be sampled; from the room, the ball hides a part of it.
+                // From the ball's own outer side only the room can be sampled; from the room, the ball hides a part of
+                // it.
                 assert!(met.count() >= if on_room(&from.0) { 30 } else { 5 }, "{size} at {center}");
                 for _ in 0..20 {
                     let direction = (from.0.normal + 0.99 * random.direction()).normalize();

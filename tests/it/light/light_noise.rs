@@ -15,8 +15,8 @@ use warpfront::trace::Run;
 const ALBEDO: f64 = 0.6;
 const DEPTH: u32 = 4;
 
-/// A closed diffuse room with lights in all corners where light sampling alone would make fireflies: on a wall, around the hole,
-/// close to a ball.
+/// A closed diffuse room with lights in all corners where light sampling alone would make fireflies: on a wall, around
+/// the hole, close to a ball.
 fn corners(r_s: f64, size: (usize, usize)) -> Baked {
     let text = if r_s > 0.0 { hole(DVec3::new(0.5, 0.0, -1.0), r_s) } else { String::new() }
         + &camera(DVec3::new(3.5, 2.0, 3.6), DVec3::new(0.0, -0.5, -1.0), 80.0)
@@ -46,15 +46,15 @@ fn single_samples(scene: &mut Baked, sampling: LightSampling, seed: u64) -> Imag
 
 fn brightest(scene: &mut Baked, sampling: LightSampling) -> f32 {
     let pictures = (0..4).map(|seed| single_samples(scene, sampling, seed));
-    pictures.flat_map(|image| image.plane("R").unwrap().to_vec()).fold(0.0, f32::max)
+    pictures.flat_map(|image| image.channel("R").unwrap().to_vec()).fold(0.0, f32::max)
 }
 
 #[test]
 fn no_sample_is_brighter_than_both_ways_to_find_light_allow() {
-    // At every vertex but the last, a light sample adds at most L times the throughput T before and the albedo a after it: it
-    // adds T f L w/p, f = a q with q the density of the bounce; w/p is 1/(p + q) with the balance heuristic and p/(p² + q²)
-    // with the power heuristic, so that q w/p is at most 1. The bounce adds at most T a L where it lands. T = a^k after k
-    // bounces without roulette: together L (1 + 2 (a + a² + …)), up to the last bounce.
+    // At every vertex but the last, a light sample adds at most L times the throughput T before and the albedo a after
+    // it: it adds T f L w/p, f = a q with q the density of the bounce; w/p is 1/(p + q) with the balance heuristic and
+    // p/(p² + q²) with the power heuristic, so that q w/p is at most 1. The bounce adds at most T a L where it lands. T
+    // = a^k after k bounces without roulette: together L (1 + 2 (a + a² + …)), up to the last bounce.
     let sum: f64 = (1..DEPTH as i32).map(|k| ALBEDO.powi(k)).sum();
     let bound = 1.0 + 2.0 * sum;
     for r_s in [0.0, 1.0] {
@@ -87,7 +87,7 @@ fn quantiles(size: (usize, usize), counts: &[u32], reference: u32, share: f64, r
             let mut errors = Vec::new();
             for seed in 0..SEEDS {
                 let image = picture(&mut scene, Geodesic, spp, SEEDS * u64::from(spp) + seed);
-                let pairs = image.plane("R").unwrap().iter().zip(converged.plane("R").unwrap());
+                let pairs = image.channel("R").unwrap().iter().zip(converged.channel("R").unwrap());
                 errors.extend(pairs.map(|(a, b)| (a - b).abs() / (b + 1e-3)));
             }
             errors.sort_by(f32::total_cmp);

@@ -51,7 +51,7 @@ fn rendered(background: Background, change: impl FnOnce(&mut Baked)) -> Rendered
 }
 
 fn plane<'a>(rendered: &'a Rendered, name: &str) -> &'a [f32] {
-    rendered.image.plane(name).unwrap()
+    rendered.image.channel(name).unwrap()
 }
 
 /// Channels of a pixel.
@@ -84,7 +84,7 @@ fn without_an_environment_both_backgrounds_leave_out_what_is_behind() {
     let dark = |scene: &mut Baked| scene.environment = Environment::Black;
     let [opaque, transparent] =
         [Background::Opaque, Background::Transparent].map(|background| rendered(background, dark));
-    assert_eq!(opaque.image.planes, transparent.image.planes);
+    assert_eq!(opaque.image.channels, transparent.image.channels);
     let lit = rendered(Background::Transparent, |_| ());
     assert_eq!(plane(&opaque, "A"), plane(&lit, "A"));
 }

@@ -34,8 +34,8 @@ fn image(path: &Path, overrides: &[&str], run: &Run) -> Image {
 }
 
 fn assert_same_bits(one: &Image, other: &Image, what: &str) {
-    assert_eq!((one.size, one.planes.len()), (other.size, other.planes.len()), "{what}");
-    for (a, b) in one.planes.iter().zip(&other.planes) {
+    assert_eq!((one.size, one.channels.len()), (other.size, other.channels.len()), "{what}");
+    for (a, b) in one.channels.iter().zip(&other.channels) {
         let pairs = || a.values.iter().zip(&b.values);
         let different = pairs().filter(|(x, y)| x.to_bits() != y.to_bits()).count();
         let first = pairs().position(|(x, y)| x.to_bits() != y.to_bits());
@@ -58,7 +58,7 @@ fn a_plane_alone_is_the_same_as_beside_all_others() {
         let alone = image(&path, &[], &Run { aovs: vec![plane], ..Run::default() });
         for channel in plane.channels() {
             let bits = |image: &Image| -> Vec<u32> {
-                image.plane(channel).expect(channel).iter().map(|value| value.to_bits()).collect()
+                image.channel(channel).expect(channel).iter().map(|value| value.to_bits()).collect()
             };
             assert!(bits(&alone) == bits(&all), "{channel}");
         }
@@ -151,7 +151,7 @@ fn a_crop_holds_the_pixels_of_the_whole_picture() {
     assert_eq!((crop.origin, crop.size), ((x0, y0), (x1 - x0, y1 - y0)));
     let mut cut = whole.clone();
     cut.size = crop.size;
-    for plane in &mut cut.planes {
+    for plane in &mut cut.channels {
         let rows = plane.values.chunks(whole.size.0).skip(y0).take(y1 - y0);
         plane.values = rows.flat_map(|row| row[x0..x1].to_vec()).collect();
     }
@@ -170,7 +170,7 @@ fn a_hole_of_radius_zero_is_flat_space_to_the_last_bit() {
 #[test]
 fn another_seed_gives_another_picture() {
     let path = scene_path("cornell_flat.toml");
-    let with = |seed| image(&path, &[seed], &Run::default()).plane("R").expect("R").to_vec();
+    let with = |seed| image(&path, &[seed], &Run::default()).channel("R").expect("R").to_vec();
     assert_ne!(with("render.seed=1"), with("render.seed=2"));
 }
 

@@ -74,7 +74,7 @@ fn compare(center: DVec3, axis: DVec3, observer: f64, light: f64, size: f64) {
         + &sphere(center + light * axis, size, "light");
     let exact = 0.8 * 0.5 * PIXELS as f64;
     let rendered = render(&scene(&text), &Run::default());
-    let measured = bright_radius(rendered.image.plane("R").expect("R"), PIXELS, 0.85 * exact);
+    let measured = bright_radius(rendered.image.channel("R").expect("R"), PIXELS, 0.85 * exact);
     println!("ring of {angle:.6} rad: {measured:.4} pixels, exactly {exact:.4}");
     assert!((measured - exact).abs() < 0.1, "{measured} pixels, exactly {exact}");
 }

@@ -128,7 +128,7 @@ struct Estimate {
 
 fn plane<'a>(image: &'a Image, name: &str) -> &'a [f32] {
     &image
-        .planes
+        .channels
         .iter()
         .find(|plane| plane.name == name)
         .unwrap_or_else(|| panic!("no channel {name}"))

@@ -1,4 +1,5 @@
-//! Pictures of curved scenes are those of `tests/data/golden`, but for noise: references that no light sampling has made.
+//! Pictures of curved scenes are those of `tests/data/golden`, but for noise: references that no light sampling has
+//! made.
 //!
 //! `tests/data/CREDITS.md` says how they are made again.
 
@@ -20,7 +21,7 @@ fn blocks(a: &Image, b: &Image) -> Verdict {
     let mut verdict = Verdict::default();
     for name in ["R", "G", "B"] {
         let planes = |image: &Image| {
-            [name.to_owned(), format!("variance.{name}")].map(|name| image.plane(&name).unwrap().to_vec())
+            [name.to_owned(), format!("variance.{name}")].map(|name| image.channel(&name).unwrap().to_vec())
         };
         let ([a, variance_a], [b, variance_b]) = (planes(a), planes(b));
         for (x0, y0) in

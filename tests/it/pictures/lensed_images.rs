@@ -15,8 +15,8 @@ const SAMPLES: u32 = 1 << 16;
 /// Most of the error that is allowed, by winding number: few samples are of rays that go around more than once.
 const ALLOWED: [f64; 4] = [0.01, 0.01, 0.03, 0.03];
 
-/// Solid angles of the images of a sphere of radius `radius` at the far end of `rows`, which are rays between the same points,
-/// over the exact ones: as the mean of 1/density over light samples, sorted by where they go.
+/// Solid angles of the images of a sphere of radius `radius` at the far end of `rows`, which are rays between the same
+/// points, over the exact ones: as the mean of 1/density over light samples, sorted by where they go.
 fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     let r_s = rows[0].number("rs");
     let (x, y) = (rows[0].vector(["x0", "x1", "x2"]), rows[0].vector(["y0", "y1", "y2"]));

@@ -1,11 +1,11 @@
-//! A picture is the same to the last bit on every machine: whatever vector instructions it has, and whichever variant of
-//! its functions the C library picks there.
+//! A picture is the same to the last bit on every machine: whatever vector instructions it has, and whichever variant
+//! of its functions the C library picks there.
 
 use crate::support::command::{Folder, assert_good, assert_refused};
 use crate::support::scene_path;
 
-/// Variables that have a machine pass for another: kernels without its vector instructions, and those of the C library's
-/// functions that do without them.
+/// Variables that have a machine pass for another: kernels without its vector instructions, and those of the C
+/// library's functions that do without them.
 const MACHINES: [(&str, &str); 4] = [
     ("WARPFRONT_SIMD", "baseline"),
     ("WARPFRONT_SIMD", "auto"),

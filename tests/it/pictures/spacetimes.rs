@@ -50,7 +50,12 @@ fn rooms_with_charged_holes_look_the_same_with_and_without_light_sampling() {
 
 fn values(path: &Path, overrides: &[&str]) -> Vec<u32> {
     let rendered = render(&scene_file(path, overrides), &Run::default());
-    rendered.image.planes.iter().flat_map(|plane| plane.values.iter().map(|value| value.to_bits())).collect()
+    rendered
+        .image
+        .channels
+        .iter()
+        .flat_map(|plane| plane.values.iter().map(|value| value.to_bits()))
+        .collect()
 }
 
 #[test]
@@ -81,9 +86,9 @@ fn a_spacetime_of_ones_own_is_rendered_as_one_of_the_table() {
     let center = scene.spacetime.center().unwrap();
     let mut session = Session::around(&scene, (center, hole), &run, &cancel);
     while session.pass(scene.settings.spp, |_| ()) {}
-    assert_eq!(session.image().plane("G"), render(&scene, &run).image.plane("G"));
+    assert_eq!(session.image().channel("G"), render(&scene, &run).image.channel("G"));
     // Without mass there is nothing to see of it.
     let mut weak = Session::around(&scene, (center, Schwarzschild::new(1e-9)), &run, &cancel);
     while weak.pass(scene.settings.spp, |_| ()) {}
-    assert_ne!(weak.image().plane("G"), session.image().plane("G"));
+    assert_ne!(weak.image().channel("G"), session.image().channel("G"));
 }

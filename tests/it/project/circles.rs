@@ -1,8 +1,8 @@
 //! Circles of files in `src/` that use each other, read from the sources themselves.
 //!
-//! A file uses the files that define the items it names after `crate::`, `super::`, `self::`, a child module or an imported
-//! one, in code that is no test. Items are followed through `use`: what a `mod.rs` re-exports is not its own, and to declare
-//! or to re-export a child is not to use it.
+//! A file uses the files that define the items it names after `crate::`, `super::`, `self::`, a child module or an
+//! imported one, in code that is no test. Items are followed through `use`: what a `mod.rs` re-exports is not its own,
+//! and to declare or to re-export a child is not to use it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -108,7 +108,8 @@ fn tokens(code: &str) -> Vec<String> {
     tokens
 }
 
-/// The names that a tree of a `use` brings in, and their paths, from the token `at` on; returns the token after the tree.
+/// The names that a tree of a `use` brings in, and their paths, from the token `at` on; returns the token after the
+/// tree.
 fn import(
     tokens: &[String],
     mut at: usize,
@@ -206,7 +207,8 @@ impl Tree {
         Self(files.into_iter().map(|(file, text)| (module(file), read(file, text))).collect())
     }
 
-    /// The module whose file defines the item that `path` names in `module`; `None` if it is of another crate, or a module.
+    /// The module whose file defines the item that `path` names in `module`; `None` if it is of another crate, or a
+    /// module.
     fn definition(&self, module: &Module, path: &[String], patience: usize) -> Option<Module> {
         let mut at = module.clone();
         let mut is_inside = false;

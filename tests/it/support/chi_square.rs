@@ -36,7 +36,8 @@ fn upper_tail(chi2: f64, freedom: f64) -> f64 {
     0.5 * libm::erfc(z / SQRT_2)
 }
 
-/// A space of samples, cut into cells of equal measure: a square onto which it is mapped so that areas stay in proportion.
+/// A space of samples, cut into cells of equal measure: a square onto which it is mapped so that areas stay in
+/// proportion.
 pub struct Space<'a, T> {
     /// A sample's place in the unit square.
     pub place: &'a dyn Fn(T) -> [f64; 2],
@@ -52,8 +53,8 @@ pub const CELLS: usize = 16;
 pub const FINE: usize = 48;
 
 impl<T> Space<'_, T> {
-    /// The probability of the places of `samples`, some of which are none, under `density`: it integrates to the share of
-    /// those that are some.
+    /// The probability of the places of `samples`, some of which are none, under `density`: it integrates to the share
+    /// of those that are some.
     pub fn probability(
         &self,
         samples: impl IntoIterator<Item = Option<T>>,
@@ -86,8 +87,8 @@ impl<T> Space<'_, T> {
 pub struct Directions {
     /// Unit vector.
     pub axis: DVec3,
-    /// Half of 1 − cos of the angle around the axis beyond which cells become larger in proportion; far above 1 all cells
-    /// are alike.
+    /// Half of 1 − cos of the angle around the axis beyond which cells become larger in proportion; far above 1 all
+    /// cells are alike.
     pub near: f64,
     /// Half of 1 − cos of the largest angle around the axis: 1 for all directions.
     pub reach: f64,

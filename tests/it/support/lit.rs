@@ -3,7 +3,7 @@
 use glam::DVec3;
 use warpfront::film::{Aov, Image};
 use warpfront::scene::{Baked, LightSampling, SamplerKind};
-use warpfront::study::compare::Pair;
+use warpfront::study::compare::PicturePair;
 use warpfront::trace::Run;
 
 use super::{Random, camera, film, hole, obj, scene_with, sphere, vector};
@@ -51,8 +51,8 @@ pub fn disk(center: DVec3, normal: DVec3, inner: f64, outer: f64, material: &str
     )
 }
 
-/// A closed room, or one without a ceiling, about 24 wide, with a hole, lights, and other things at random places; `size` is a
-/// factor on the lights, which are large enough for rays that nothing aims to find them.
+/// A closed room, or one without a ceiling, about 24 wide, with a hole, lights, and other things at random places;
+/// `size` is a factor on the lights, which are large enough for rays that nothing aims to find them.
 pub fn room(random: &mut Random, twist: Twist, size: f64) -> Baked {
     let r_s = if twist == Twist::Flat { 0.0 } else { random.log_between(0.3, 8.0).max(0.8) };
     let center = 4.0 * random.in_cube();
@@ -161,10 +161,10 @@ pub struct Agreement {
 impl Agreement {
     /// Of `a` with `b`.
     pub fn of(a: &Image, b: &Image) -> Self {
-        let noise = Pair::new(("a", a), ("b", b)).unwrap().compare().noise.expect("variances");
+        let noise = PicturePair::new(("a", a), ("b", b)).unwrap().compare().noise.expect("variances");
         assert_eq!(noise.non_finite, 0);
         let sum = |image: &Image, name: &str| -> f64 {
-            image.plane(name).expect(name).iter().map(|&v| f64::from(v)).sum()
+            image.channel(name).expect(name).iter().map(|&v| f64::from(v)).sum()
         };
         let variance = sum(a, "variance.G") + sum(b, "variance.G");
         let z = noise
@@ -180,7 +180,8 @@ impl Agreement {
         }
     }
 
-    /// Complains about what chance does not explain: three colours and nine blocks are many tests, and so are all scenes.
+    /// Complains about what chance does not explain: three colours and nine blocks are many tests, and so are all
+    /// scenes.
     pub fn check(&self, what: &str) {
         println!(
             "{what}: z of the mean {:+.2} at {:.2} %, largest of blocks {:+.2}, probability {:.3}",
@@ -196,5 +197,5 @@ impl Agreement {
 
 /// Sum of the variances of the green plane's pixels, for one sample each.
 pub fn variance(image: &Image, spp: u32) -> f64 {
-    image.plane("variance.G").expect("variance.G").iter().map(|&v| f64::from(v) * f64::from(spp)).sum()
+    image.channel("variance.G").expect("variance.G").iter().map(|&v| f64::from(v) * f64::from(spp)).sum()
 }

@@ -198,13 +198,13 @@ pub fn render(scene: &Baked, run: &Run) -> Rendered {
 
 /// Mean of the red plane.
 pub fn mean_red(rendered: &Rendered) -> f64 {
-    let red = rendered.image.plane("R").expect("R");
+    let red = rendered.image.channel("R").expect("R");
     red.iter().map(|&value| f64::from(value)).sum::<f64>() / red.len() as f64
 }
 
 /// Least and greatest value of the red plane.
 pub fn red_range(rendered: &Rendered) -> (f32, f32) {
-    let red = rendered.image.plane("R").expect("R");
+    let red = rendered.image.channel("R").expect("R");
     red.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
 }
 

@@ -3,7 +3,7 @@
 #![allow(dead_code, unused_imports, unused_macros)] // Each test file is a crate of its own and uses a part of this.
 
 use glam::DVec3;
-use warpfront::geodesic::{Control, End, Journey, Launch, Phase, Step, Stepper, follow};
+use warpfront::geodesic::{Control, Journey, Launch, OrbitEnd, Phase, Step, Stepper, follow};
 use warpfront::math::dual::Dual;
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
@@ -81,14 +81,14 @@ pub fn sensitivity_at_infinity<M: ConformallyFlat, S: Stepper>(
     launch: &Launch,
 ) -> Option<f64> {
     let journey = fly_with_derivative(medium, stepper, 1e-10, launch, 0.0);
-    let End::Crosses(phase, swept) = journey.end else { return None };
+    let OrbitEnd::Crosses(phase, swept) = journey.end else { return None };
     Some(sensitivity(Dual { value: launch.b, slope: -launch.v / launch.w }, &phase, swept))
 }
 
 /// The swept angle, if the ray escapes.
 pub fn swept<R: Real>(journey: &Journey<R>) -> Option<f64> {
     match journey.end {
-        End::Crosses(_, swept) => Some(swept.value()),
+        OrbitEnd::Crosses(_, swept) => Some(swept.value()),
         _ => None,
     }
 }

@@ -5,9 +5,9 @@
 //! WARPFRONT_FUZZ_SEED=1234 cargo test --release --test it damaged_files -- --ignored --nocapture
 //! ```
 //!
-//! The first tries damaged files for that long (default 60), from number WARPFRONT_FUZZ_FROM on; the second makes one of
-//! them again, leaves its files in `target/tmp/fuzz` and tells how it ends. Files are tried in a process of its own, of
-//! which a crash or a hang takes nothing but that one file with it.
+//! The first tries damaged files for that long (default 60), from number WARPFRONT_FUZZ_FROM on; the second makes one
+//! of them again, leaves its files in `target/tmp/fuzz` and tells how it ends. Files are tried in a process of its own,
+//! of which a crash or a hang takes nothing but that one file with it.
 
 mod corpus;
 mod mutate;
@@ -28,7 +28,7 @@ use corpus::{Corpus, Seed};
 use warpfront::asset::{Files, Memory};
 use warpfront::film::read_exr_with;
 use warpfront::scene::{Baked, LoadOptions, load_with};
-use warpfront::study::compare::Pair;
+use warpfront::study::compare::PicturePair;
 use warpfront::trace::{self, Run};
 
 /// Bytes that a damaged file may take, which is told to what reads it, and at which the process ends.
@@ -124,7 +124,7 @@ impl Case {
             Use::Scene => read(&path),
             Use::Picture => {
                 if let Ok(image) = read_exr_with(&path, &files())
-                    && let Ok(pair) = Pair::new(("a", &image), ("b", &image))
+                    && let Ok(pair) = PicturePair::new(("a", &image), ("b", &image))
                 {
                     pair.compare();
                 }
@@ -165,7 +165,7 @@ fn look(mut scene: Baked) -> Result<(), String> {
     }
     let rendered =
         trace::render(&scene, &Run { threads: 1, ..Run::default() }, &AtomicBool::new(false), &|_| ());
-    for plane in &rendered.image.planes {
+    for plane in &rendered.image.channels {
         if let Some(value) = plane.values.iter().find(|value| !value.is_finite()) {
             return Err(format!("channel {} holds {value}", plane.name));
         }

@@ -2,7 +2,7 @@
 
 /// Outcome of a command that did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(super) enum Completion {
     /// All is there.
     Good,
     /// Something was lost, and `--strict` was given.

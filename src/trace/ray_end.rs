@@ -1,15 +1,15 @@
-//! Fates of rays that have ended.
+//! Ends of rays, by the outcome of their last move.
 
 use std::convert::Infallible;
 
 use super::transport::Outcome;
-pub use crate::film::Fate;
+pub use crate::film::RayEnd;
 
-impl Fate {
+impl RayEnd {
     /// All, in order.
     pub const ALL: [Self; 5] = [Self::Hit, Self::Escaped, Self::Captured, Self::StepLimit, Self::NonFinite];
 
-    /// The fate of a ray that ended so.
+    /// End of a ray by the outcome of its last move.
     pub fn of(end: &Outcome<Infallible>) -> Self {
         match *end {
             Outcome::Flying(never) => match never {},

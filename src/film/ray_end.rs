@@ -1,9 +1,9 @@
 //! Ends of rays, as the `fate` plane numbers them.
 
-/// Fate of a ray; the numbers are those of the `fate` plane.
+/// End of a ray; the numbers are those of the `fate` plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Fate {
+pub enum RayEnd {
     /// Met a surface.
     Hit = 1,
     /// Left to infinity.

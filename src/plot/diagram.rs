@@ -1,4 +1,4 @@
-//! One chart: axes and curves.
+//! Diagram: axes and curves.
 
 use super::axis::Axis;
 use super::style::{Color, Style};
@@ -17,7 +17,7 @@ pub struct Series {
 
 /// Curves between two axes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chart {
+pub struct Diagram {
     /// Above the frame.
     pub title: String,
     /// To the right.
@@ -42,8 +42,8 @@ const MINOR: f64 = 4.0;
 const EDGE: Style = Style::line(Color::BLACK, 1.2);
 const GRID: Style = Style::line(Color("#E6E6E6"), 1.0);
 
-impl Chart {
-    /// A chart with logarithmic axes around all points of `series`.
+impl Diagram {
+    /// A diagram with logarithmic axes around all points of `series`.
     pub fn log_log(title: &str, [x, y]: [&str; 2], size: [f64; 2], series: Vec<Series>) -> Self {
         let points = || series.iter().flat_map(|series| series.curves.iter().flatten());
         let x = Axis::log_around(x, points().map(|[x, _]| *x));
@@ -51,7 +51,7 @@ impl Chart {
         Self { title: title.to_owned(), x, y, size, series }
     }
 
-    /// The chart with `line` behind all that it has.
+    /// The diagram with `line` behind all that it has.
     #[must_use]
     pub fn over(mut self, line: Series) -> Self {
         self.series.insert(0, line);
@@ -64,7 +64,7 @@ impl Chart {
         [left + self.size[0] + right, top + self.size[1] + bottom]
     }
 
-    /// Draws the chart with its outer corner at `corner`.
+    /// Draws the diagram with its outer corner at `corner`.
     pub(super) fn draw(&self, drawing: &mut Drawing, corner: [f64; 2]) {
         let (left, top) = (corner[0] + MARGIN[0], corner[1] + MARGIN[1]);
         let [width, height] = self.size;

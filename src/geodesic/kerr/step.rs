@@ -1,0 +1,142 @@
+//! Steps along a ray: their length, and the state at their end.
+
+use glam::DVec3;
+
+use super::hole::{UnitHole, about_axis};
+use super::launch::Constants;
+use super::series::{Series, SeriesPoint};
+use super::state::MinoState;
+use crate::math::{fast_log2, sin_cos_turns};
+
+/// Tolerances of steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeriesControl {
+    /// Largest error that a step's last coefficients may tell, radians.
+    tolerance: f64,
+}
+
+/// A step along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeriesStep {
+    /// State at its end.
+    pub end: MinoState,
+    /// Displacement in the chart, to its own rounding.
+    pub displacement: DVec3,
+    /// Relative violation of v² = U before it was undone, relative.
+    pub strain: f64,
+    /// Change of v by which it was undone, relative to the speed of u: near the spherical ray, where u hardly moves, an
+    /// error could hold it there.
+    pub slip: f64,
+}
+
+/// Largest strain of a step.
+const LARGEST_STRAIN: f64 = 0.02;
+/// Length of λ over which twice the acceleration of u counts as its speed: that of a short step.
+const SHORT: f64 = 0.1;
+/// Largest slip of a step.
+const LARGEST_SLIP: f64 = 0.05;
+/// Largest part of the way to the horizon that a step takes, at the rate at its start.
+const LONGEST_FALL: f64 = 1.0;
+/// Angle that a step sweeps at most, radians.
+const WIDEST: f64 = 1.6;
+/// Inverse radius that is beyond the horizon, relative to it.
+const BEYOND: f64 = 1.02;
+
+/// Calibration: tolerances of rays over those of steps' last coefficients, such that the error of a whole ray keeps
+/// within its tolerance, for series of `powers` coefficients.
+const fn calibration(powers: usize) -> f64 {
+    match powers {
+        ..=8 => 0.8,
+        9..=10 => 0.6,
+        _ => 0.25,
+    }
+}
+
+impl SeriesControl {
+    /// Control of rays by series of `powers` coefficients: `tolerance` in radians.
+    pub fn new(powers: usize, tolerance: f64) -> Self {
+        Self { tolerance: calibration(powers) * tolerance.max(100.0 * f64::EPSILON) }
+    }
+
+    /// Length of a step from the start of `series`: by its last two coefficients, and short beside the hole.
+    #[inline(always)]
+    pub fn length<const P: usize>(&self, hole: &UnitHole, series: &Series<P>) -> f64 {
+        let Series { start, omega, u, n: [x, y, z], winding } = series;
+        let size = |i: usize| omega * u[i].abs() + x[i].abs() + y[i].abs() + z[i].abs();
+        let wound = hole.a.abs() * winding[P - 3].abs() * (1.0 / (P - 2) as f64);
+        let before = size(P - 2);
+        let before = if before > wound { before } else { wound };
+        // (tolerance/size)^(1/power), in logarithms; a size of 0 is as good as 2⁻¹²⁶.
+        let log2 = |x: f64| fast_log2::log2(if x > SMALLEST { x } else { SMALLEST } as f32);
+        let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
+        let last = root(log2(self.tolerance) - log2(size(P - 1)), P - 1);
+        let last_but_one = root(log2(self.tolerance) - log2(before), P - 2);
+        // Radial rays have ω = 0, but must not leave the chart.
+        let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * u[P - 1].abs());
+        let shortest = last.min(last_but_one).min(root(strain, P - 2));
+        let accurate = f64::from(fast_log2::exp2(shortest.min(MOST_OCTAVES)));
+        let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
+        let fall = LONGEST_FALL * hole.horizon / (start.v.abs() + f64::MIN_POSITIVE);
+        accurate.min(wide).min(fall)
+    }
+}
+
+/// Smallest size of a coefficient that is told apart from 0.
+const SMALLEST: f64 = 1e-37;
+/// Longest step, a power of two.
+const MOST_OCTAVES: i32 = 100 * fast_log2::OCTAVE;
+
+impl SeriesStep {
+    /// The step of length `h` along `series`; shorter steps are its dense output.
+    #[inline(always)]
+    pub fn new<const P: usize>(hole: &UnitHole, constants: &Constants, series: &Series<P>, h: f64) -> Self {
+        let SeriesPoint { state: MinoState { u, v, n, m }, rise, way, winding } = series.at(hole, h);
+        // One step of Newton's method towards v² = U, along its gradient in units of u and 1.
+        let excess = v * v - constants.rate_squared(u);
+        let (slope_u, slope_v) = (-constants.rate_slope(u) * u, 2.0 * v);
+        let shift = excess / (slope_u * slope_u + slope_v * slope_v + f64::MIN_POSITIVE);
+        let (across_u, across_v) = (shift * slope_u * u, shift * slope_v);
+        let (u, v, rise) = (u - across_u, v - across_v, rise - across_u);
+        // The first of Newton's steps towards |N| = 1 is this one.
+        let lengthen = 0.5 * (1.0 - n.length_squared());
+        let (unit, way) = (n + lengthen * n, way + lengthen * n);
+        let m = m - m.dot(unit) * unit;
+        // The winding turns both about the axis.
+        let (s, c) = sin_cos_turns::small(0.5 * winding);
+        let (versine, sine) = (2.0 * s * s, 2.0 * s * c);
+        let flat = |n: DVec3| DVec3::new(n.x, n.y, 0.0);
+        let turn = |n: DVec3| sine * about_axis(n) - versine * flat(n);
+        let (turned, way) = (unit + turn(unit), way + turn(unit));
+        let u0 = series.start.u;
+        let per = 1.0 / (u0 * u);
+        let displacement = (u0 * per) * way - (rise * per) * series.start.n + hole.a * about_axis(way);
+        let scale = 1.0 + constants.k2.abs() * u * u;
+        let start = &series.start;
+        let speed = start.v.abs() + SHORT * constants.rate_slope(start.u).abs();
+        Self {
+            end: MinoState { u, v, n: turned, m: m + turn(m) },
+            displacement,
+            strain: excess.abs() / scale,
+            slip: across_v.abs() / speed,
+        }
+    }
+
+    /// True if the step can be taken: it kept its constraint and its branch of the orbit, and ends outside the horizon or
+    /// little within.
+    ///
+    /// Near the spherical ray, where a ray's branches come close, a loose tolerance would let it change over.
+    #[inline(always)]
+    pub fn is_accepted(&self, hole: &UnitHole, constants: &Constants, start: &MinoState) -> bool {
+        let (barrier, end) = (constants.barrier, &self.end);
+        let outside = start.u < barrier;
+        let (falls, falls_then) = (start.v > 0.0, end.v > 0.0);
+        // Without a barrier no ray turns; outside one it turns outwards only, inside inwards.
+        let turns_well = (barrier < f64::INFINITY) & (falls == outside);
+        let keeps_branch = (outside == (end.u < barrier)) & ((falls == falls_then) | turns_well);
+        (self.strain < LARGEST_STRAIN)
+            & (self.slip < LARGEST_SLIP)
+            & (end.u < BEYOND * hole.horizon)
+            & (end.u > 0.0)
+            & keeps_branch
+    }
+}

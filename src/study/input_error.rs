@@ -1,0 +1,34 @@
+//! Error of a study's input: rays that cannot be followed, points that no ray can join.
+
+/// Error: a ray cannot be followed, or two points cannot be joined.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{cause}")]
+pub struct InputError {
+    /// Input at fault.
+    pub input: Input,
+    /// Problem, in words.
+    pub cause: String,
+    /// Remedy.
+    pub remedy: String,
+}
+
+/// Quantity that describes a ray or a pair of points, or how the ray is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// The parameter of the spacetime that tables have in this column.
+    Parameter(&'static str),
+    /// The point where the ray starts.
+    Start,
+    /// Its direction.
+    Direction,
+    /// The radius of the sphere.
+    Sphere,
+    /// The stepper.
+    Stepper,
+    /// The point x of a pair.
+    X,
+    /// The point y of a pair.
+    Y,
+    /// Position of a pair's points relative to each other.
+    Both,
+}
