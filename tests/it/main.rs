@@ -45,6 +45,7 @@ mod pictures {
     mod lensed_images;
     mod machines;
     mod spacetimes;
+    mod wormholes;
 }
 
 mod files {
