@@ -79,7 +79,7 @@ fn rooms(random: &mut Random, number: u64) -> Baked {
             entities.push(sphere(center + around(2.0), 2.0, "lamp"));
             entities.push(disk(center + around(2.5), DVec3::new(0.6, 0.0, 0.8), 0.5, 2.5, "lamp"));
         }
-        let specular = if number % 2 == 0 { "glass" } else { "mirror" };
+        let specular = if number.is_multiple_of(2) { "glass" } else { "mirror" };
         entities.push(sphere(center + around(1.2), 1.2, specular));
         entities.push(sphere(center + around(1.5), 1.5, "wall"));
         text.extend(entities.iter().map(|entity| if is_far { far(entity) } else { entity.clone() }));
