@@ -19,7 +19,7 @@ use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
-use crate::spacetime::{ConformallyFlat, SpacetimeKind};
+use crate::spacetime::{ConformallyFlat, Side, SpacetimeKind};
 use crate::study::forecast::Forecast;
 use crate::text::bytes;
 use crate::trace::{Run, probe};
@@ -129,8 +129,8 @@ impl<'a> SceneReport<'a> {
             spacetime: Spacetime(scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
-            lights: LightCounts::of(&scene.punctual),
-            environment: environment(&scene.environment),
+            lights: LightCounts::of(scene.punctual().map(|(_, light)| light)),
+            environment: environments(scene),
             camera: CameraReport {
                 position: scene.camera.position.to_array(),
                 forward: scene.camera.forward.to_array(),
@@ -278,8 +278,8 @@ impl Materials {
 }
 
 impl LightCounts {
-    fn of(lights: &[Punctual]) -> Self {
-        lights.iter().fold(Self::default(), |mut counts, light| {
+    fn of<'a>(lights: impl Iterator<Item = &'a Punctual>) -> Self {
+        lights.fold(Self::default(), |mut counts, light| {
             match light {
                 Punctual::Point { .. } => counts.point += 1,
                 Punctual::Spot { .. } => counts.spot += 1,
@@ -304,10 +304,11 @@ impl CameraReport {
 
 impl MemoryReport {
     fn of(scene: &Baked, run: &Run) -> Self {
-        let environment = match &scene.environment {
+        let bytes = |side| match scene.environment(side) {
             Environment::Image(image) => size_of_val(image.pixels.as_slice()),
             _ => 0,
         };
+        let environment = Side::BOTH.map(bytes).iter().sum::<usize>();
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             environment: environment as u64,
@@ -318,6 +319,14 @@ impl MemoryReport {
     fn text(&self) -> String {
         let (geometry, environment, film) = (bytes(self.geometry), bytes(self.environment), bytes(self.film));
         format!("geometry {geometry}, environment {environment}, film {film}")
+    }
+}
+
+fn environments(scene: &Baked) -> String {
+    let near = environment(scene.environment(Side::Near));
+    match scene.spacetime.wormhole() {
+        Some(_) => format!("{near}; on the far side {}", environment(scene.environment(Side::Far))),
+        None => near,
     }
 }
 
