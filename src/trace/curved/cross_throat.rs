@@ -6,13 +6,35 @@ use super::worlds::{Throat, Worlds};
 use crate::geometry::PrimitiveId;
 use crate::spacetime::{ConformallyFlat, Fate};
 
+/// True if a ray's step passes the throat.
+#[inline(always)]
+fn passes<R: Lane>(radius: f64, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> bool {
+    step.accepted & (flight.fate == Fate::Falls) & (step.w.value() * radius >= 1.0)
+}
+
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     /// The ray on the other side of the throat, if its step passes that: nothing is met within.
     #[inline(always)]
     pub(super) fn crossing(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Option<CurvedFlight<R>> {
         let throat = self.worlds.throat()?;
-        let passes = step.accepted & (flight.fate == Fate::Falls) & (step.w.value() * throat.radius >= 1.0);
-        passes.then(|| self.beyond(throat, flight, step))
+        passes(throat.radius, flight, step).then(|| self.beyond(throat, flight, step))
+    }
+
+    /// The part of a ray's step before the throat: all of it, unless the step passes that.
+    #[inline(always)]
+    pub(super) fn before_throat(
+        &self,
+        flight: &CurvedFlight<R>,
+        step: &CurvedMove<R>,
+    ) -> (CurvedFlight<R>, CurvedMove<R>) {
+        match self.worlds.throat() {
+            Some(Throat { radius, .. }) if passes(radius, flight, step) => {
+                let (h, _) = self.march.until(flight, R::of(1.0 / radius));
+                let part = CurvedFlight { h, ..*flight };
+                (part, CurvedMove { accepted: true, ..self.march.advance(&part) })
+            }
+            _ => (*flight, *step),
+        }
     }
 
     #[inline(never)]

@@ -235,14 +235,16 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
     }
 
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {
-        step.accepted.then(|| self.arc(flight, step))
+        let (flight, step) = self.before_throat(flight, step);
+        step.accepted.then(|| self.arc(&flight, &step))
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
+        let (flight, step) = self.before_throat(flight, step);
         if !step.accepted {
             return 0.0;
         }
-        let arc = self.arc(flight, step);
+        let arc = self.arc(&flight, &step);
         arc.length(point.map_or(1.0, |point| arc.parameter_beside(point)))
     }
 }
