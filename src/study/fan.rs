@@ -10,7 +10,7 @@ use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Color, Diagram, Figure, Series, Style};
 use crate::scene::Baked;
-use crate::spacetime::{ConformallyFlat, Metric};
+use crate::spacetime::{ConformallyFlat, Metric, Side};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
 /// Rays of a fan.
@@ -45,6 +45,10 @@ pub enum FanError {
 pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
+    /// Side of a wormhole that is drawn: the camera's.
+    side: Side,
+    /// Centre and radius of a wormhole's throat on that side.
+    throat: Option<(DVec3, f64)>,
     cuts: Vec<CrossSection>,
     view: FanPlane,
 }
@@ -95,12 +99,14 @@ impl Fan {
         if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
             return Err(FanError::InsideHorizon);
         }
-        let in_plane = hole.map(|(center, _)| center - start).unwrap_or(camera.forward).normalize();
+        let throat = scene.spacetime.wormhole();
+        let throat = throat.map(|(mouths, metric)| (mouths.center(camera.side), metric.throat()));
+        let center = hole.map(|(center, _)| center).or(throat.map(|(center, _)| center));
+        let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
-        let view =
-            FanPlane { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
+        let view = FanPlane { origin: center.unwrap_or(start), right, up: normal.cross(right) };
 
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
         let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
@@ -111,12 +117,15 @@ impl Fan {
                 let forward = direction.dot(camera.forward);
                 let clear = near == 0.0 || forward > PARALLEL;
                 let position = if near > 0.0 { start + near / forward * direction } else { start };
-                clear.then_some(Ray { position, direction, origin_prim: PrimitiveId::NONE })
+                let origin_prim = PrimitiveId::none_on(camera.side);
+                clear.then_some(Ray { position, direction, origin_prim })
             })
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;
-        let cuts = scene.geometry.cross_section(&Plane { point: view.origin, normal });
-        Ok(Self { polylines: polylines(scene, &rays), hole, cuts, view })
+        let plane = Plane { point: view.origin, normal };
+        let cuts =
+            scene.geometry.of(camera.side).map_or_else(Vec::new, |around| around.cross_section(&plane));
+        Ok(Self { polylines: polylines(scene, &rays), hole, side: camera.side, throat, cuts, view })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -154,6 +163,7 @@ impl Fan {
                     let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
+                None if there.side != self.side => {}
                 None => points.push(last + reach * there.direction),
             }
         }
@@ -196,7 +206,18 @@ impl Fan {
                 curves: circle(medium.horizon()),
             });
         }
-        let origin = if self.hole.is_some() { "the hole" } else { "the start" };
+        if let Some((_, radius)) = self.throat {
+            series.push(Series {
+                name: "throat".to_owned(),
+                style: Style::area(Color::BLACK),
+                curves: vec![circle(DVec2::ZERO, radius, 0.0, PI)],
+            });
+        }
+        let origin = match (self.hole, self.throat) {
+            (Some(_), _) => "the hole",
+            (None, Some(_)) => "the throat",
+            (None, None) => "the start",
+        };
         let FanBounds { min, max } = frame;
         let side = max - min;
         let scale = (DIAGRAM[0] / side.x).min(DIAGRAM[1] / side.y);
