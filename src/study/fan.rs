@@ -239,9 +239,12 @@ impl Fan {
             let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
             polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
         }
-        if let (Some((_, medium)), Some(polyline)) = (self.hole, self.polylines.first()) {
+        let body = self.hole.map(|(_, medium)| medium.photon_sphere());
+        if let (Some(radius), Some(polyline)) =
+            (body.or(self.throat.map(|(_, radius)| radius)), self.polylines.first())
+        {
             let distance = DVec2::from(self.view.place(polyline.points[0])).length();
-            frame.hold(DVec2::ZERO, (AROUND_HOLE * medium.photon_sphere()).max(BESIDE_HOLE * distance));
+            frame.hold(DVec2::ZERO, (AROUND_HOLE * radius).max(BESIDE_HOLE * distance));
         }
         if frame.reach() == 0.0 {
             for cut in &self.cuts {
