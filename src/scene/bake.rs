@@ -43,7 +43,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     check_extent(&world, &boxes, &shaped)?;
     check_extent(&world, &far_boxes, &shaped)?;
     place_hole(&mut world)?;
-    let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
+    let camera = choose_camera(&mut world, wanted_camera, [&boxes, &far_boxes])?;
     check_outside_horizon(&world, &camera)?;
     let punctual = lights(&mut world)?;
     warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
@@ -221,14 +221,20 @@ fn check_extent(world: &World, boxes: &[(Bounds, u32)], shaped: &[Entity]) -> Re
     }
 }
 
-fn choose_camera(world: &mut World, wanted: Option<&str>, boxes: &[(Bounds, u32)]) -> Result<Camera, Fault> {
+fn choose_camera(
+    world: &mut World,
+    wanted: Option<&str>,
+    [near, far]: [&[(Bounds, u32)]; 2],
+) -> Result<Camera, Fault> {
     if let Some((camera, name, aspect)) = camera(world, wanted)? {
         if let Some(aspect) = aspect.filter(|_| !world.has_own_size) {
             shape_picture(world, &name, aspect);
         }
         return Ok(camera);
     }
-    let framed = framing_camera(boxes, world.settings.aspect()).ok_or_else(|| {
+    let aspect = world.settings.aspect();
+    let beyond = || framing_camera(far, aspect).map(|camera| Camera { side: Side::Far, ..camera });
+    let framed = framing_camera(near, aspect).or_else(beyond).ok_or_else(|| {
         Fault::whole(
             "there is no camera, and nothing to frame one around",
             "add a [camera] with `position`, `look_at` and `vertical_fov`",
