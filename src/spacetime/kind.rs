@@ -17,24 +17,24 @@ use super::side::Side;
 use crate::math::real::Real;
 
 macro_rules! media {
-    ($($(#[$doc:meta])* $Media:ident, $family:ident($place:ident: $Place:ty): $($name:ident),+;)+) => {
+    ($($(#[$doc:meta])* $Family:ident, $family:ident($place:ident: $Place:ty): $($name:ident),+;)+) => {
         $(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum $Media {
+        pub enum $Family {
             $(
                 /// The spacetime of this name.
                 $name($name),
             )+
         }
 
-        $(impl From<$name> for $Media {
+        $(impl From<$name> for $Family {
             fn from(metric: $name) -> Self {
                 Self::$name(metric)
             }
         })+
 
-        impl $Media {
+        impl $Family {
             fn entry(self) -> &'static Entry {
                 match self {
                     $(Self::$name(_) => const { &Entry::$family::<$name>() },)+
@@ -55,7 +55,7 @@ macro_rules! media {
         }
 
         /// Chosen at every call: for all but the march, which is compiled for each spacetime.
-        impl ConformallyFlat for $Media {
+        impl ConformallyFlat for $Family {
             fn index_squared<R: Real>(&self, w: R) -> R {
                 match self { $(Self::$name(metric) => metric.index_squared(w),)+ }
             }
