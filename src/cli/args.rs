@@ -143,7 +143,12 @@ pub(super) struct RaysArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     /// Picture, or table of points, to write
-    #[arg(short, long, value_name = "FILE.svg|png|csv", value_parser = OsStringValueParser::new().try_map(|s| parse::rays(&s)))]
+    #[arg(
+        short,
+        long,
+        value_name = "FILE.svg|png|csv",
+        value_parser = OsStringValueParser::new().try_map(|s| parse::rays(&s))
+    )]
     pub(super) output: PathBuf,
     /// Number of rays
     #[arg(long, value_name = "N", value_parser = parse::ray_count, default_value = "41", allow_hyphen_values = true)]
@@ -184,7 +189,13 @@ pub(super) struct StudyArgs {
     )]
     pub(super) rays: Option<PathBuf>,
     /// Spacetime that the rays of --rays are in
-    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME", default_value = "schwarzschild", conflicts_with = "scene")]
+    #[arg(
+        long,
+        value_parser = rays_table::spacetime(),
+        value_name = "NAME",
+        default_value = "schwarzschild",
+        conflicts_with = "scene"
+    )]
     pub(super) spacetime: &'static Entry,
     /// Writes PREFIX.csv, PREFIX.svg and PREFIX.png
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
@@ -204,19 +215,52 @@ pub(super) struct StudyArgs {
     )]
     pub(super) precisions: Vec<Precision>,
     /// Tolerances, separated by commas [default: 1e-2 to 1e-8 in decades; with --rays, to 1e-12]
-    #[arg(long, value_name = "LIST", value_parser = parse::positive, value_delimiter = ',', allow_hyphen_values = true, conflicts_with = "light_sampling")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::positive,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        conflicts_with = "light_sampling"
+    )]
     pub(super) tolerances: Vec<f64>,
     /// Schedules, separated by commas [default: the scene's]
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with_all = ["rays", "light_sampling"])]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_enum,
+        value_delimiter = ',',
+        conflicts_with_all = ["rays", "light_sampling"]
+    )]
     pub(super) schedules: Vec<Schedule>,
     /// Largest distance between an arc and the true curve, scene units [default: from the pixel footprint]
-    #[arg(long, value_name = "E", value_parser = parse::positive, allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
+    #[arg(
+        long,
+        value_name = "E",
+        value_parser = parse::positive,
+        allow_hyphen_values = true,
+        conflicts_with_all = ["rays", "light_sampling"]
+    )]
     pub(super) arc_tolerance: Option<f64>,
     /// Size of the pictures in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "160x120", allow_hyphen_values = true, conflicts_with = "rays")]
+    #[arg(
+        long,
+        value_name = "WxH",
+        value_parser = parse::small_size,
+        default_value = "160x120",
+        allow_hyphen_values = true,
+        conflicts_with = "rays"
+    )]
     pub(super) size: (usize, usize),
     /// Samples per pixel where the speed of whole paths is measured
-    #[arg(long, value_name = "N", value_parser = parse::samples, default_value = "4", allow_hyphen_values = true, conflicts_with_all = ["rays", "light_sampling"])]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::samples,
+        default_value = "4",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["rays", "light_sampling"]
+    )]
     pub(super) spp: u32,
     /// Compares ways to look for lights, separated by commas, instead of steppers [default: none]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', conflicts_with = "rays")]
@@ -233,7 +277,13 @@ pub(super) struct StudyArgs {
     pub(super) spps: Vec<u32>,
     /// Samples per pixel of the reference of --light-sampling, which is rendered along geodesics [default: 16 times the
     /// largest of --spps]
-    #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true, requires = "light_sampling")]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::samples,
+        allow_hyphen_values = true,
+        requires = "light_sampling"
+    )]
     pub(super) reference_spp: Option<u32>,
     /// Picture that is the reference of --light-sampling; its noise is known if it has variances
     /// [default: one is rendered]
@@ -264,7 +314,7 @@ pub(super) struct TraceArgs {
     /// Preset of --stepper and --tolerance
     #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
     quality: Quality,
-    /// How rays are advanced through curved space [default: the preset's]
+    /// Stepper that advances rays through curved space [default: the preset's]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in

@@ -60,7 +60,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
     Ok(Completion::Good)
 }
 
-/// Who races.
+/// Contenders of the race, the wavefront first.
 fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure> {
     let contenders = [&[Contender::Wavefront][..], &distinct(&args.baseline)].concat();
     if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())

@@ -28,13 +28,26 @@ pub(super) struct BenchArgs {
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) sweep: Option<Vary>,
     /// Values of --sweep, separated by commas [default: some that suit the scene]
-    #[arg(long, value_name = "LIST", value_parser = parse::positive, value_delimiter = ',', allow_hyphen_values = true, requires = "sweep")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::positive,
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "sweep"
+    )]
     pub(super) values: Vec<f64>,
     /// Times that everything is measured, all in turn, after a render each to warm up
     #[arg(long, value_name = "N", value_parser = parse::count, default_value = "5", allow_hyphen_values = true)]
     pub(super) rounds: u32,
     /// Size of the pictures in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse::small_size, default_value = "320x240", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "WxH",
+        value_parser = parse::small_size,
+        default_value = "320x240",
+        allow_hyphen_values = true
+    )]
     pub(super) size: (usize, usize),
     /// Samples per pixel [default: 4]
     #[arg(long, value_name = "N", value_parser = parse::samples, allow_hyphen_values = true)]
@@ -44,7 +57,7 @@ pub(super) struct BenchArgs {
     max_depth: Option<u32>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
-    /// How lights are looked for beside the rays that run into them [default: the scene's, else geodesic]
+    /// Sampling of lights, beside the rays that run into them [default: the scene's, else geodesic]
     #[arg(long, value_enum, value_name = "NAME")]
     light_sampling: Option<LightSampling>,
     /// Worker threads; 0 means one per core [default: 0]

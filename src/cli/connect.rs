@@ -99,13 +99,13 @@ impl ConnectJob {
     }
 
     /// Looks up a label, and adds it if it is new: true if a pair of this label has been met before.
-    fn is_known(&mut self, label: &[u8], line: u64, inputs: PointPair) -> Result<bool, Failure> {
+    fn is_known(&mut self, label: &[u8], line: u64, inputs: &PointPair) -> Result<bool, Failure> {
         match self.met.get(label) {
             None => {
-                self.met.insert(label.to_owned(), (line, inputs));
+                self.met.insert(label.to_owned(), (line, inputs.clone()));
                 Ok(false)
             }
-            Some((_, known)) if *known == inputs => Ok(true),
+            Some((_, known)) if known == inputs => Ok(true),
             Some((before, _)) => {
                 let label = String::from_utf8_lossy(label);
                 let cause = format!("pair `{label}` was given with other inputs in line {before}");
@@ -141,7 +141,7 @@ impl RowWise for ConnectJob {
         let label = match self.pair {
             Some(place) => {
                 let label = row.get(place).unwrap_or_default();
-                if self.is_known(label, line(&row), pair)? {
+                if self.is_known(label, line(&row), &pair)? {
                     return Ok(None);
                 }
                 label.to_owned()

@@ -19,7 +19,10 @@ use crate::geometry::Counts;
 use crate::light::Punctual;
 use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
-use crate::spacetime::{ConformallyFlat, Side, SpacetimeKind};
+use crate::spacetime::{
+    ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Side, Sink,
+    SpacetimeKind,
+};
 use crate::study::forecast::Forecast;
 use crate::text::bytes;
 use crate::trace::{Run, probe};
@@ -48,7 +51,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Completion, Failure> {
 #[derive(Serialize)]
 struct SceneReport<'a> {
     scene: String,
-    spacetime: Spacetime,
+    spacetime: Spacetime<'a>,
     geometry: Shapes,
     materials: Materials,
     lights: LightCounts,
@@ -68,7 +71,7 @@ struct SceneReport<'a> {
     warnings: &'a [String],
 }
 
-struct Spacetime(SpacetimeKind);
+struct Spacetime<'a>(&'a SpacetimeKind);
 
 #[derive(Serialize)]
 struct Shapes {
@@ -126,7 +129,7 @@ impl<'a> SceneReport<'a> {
         let cost = Forecast::new(&probe, &scene.settings);
         Self {
             scene: name,
-            spacetime: Spacetime(scene.spacetime),
+            spacetime: Spacetime(&scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
             lights: LightCounts::of(scene.punctual().map(|(_, light)| light)),
@@ -177,7 +180,7 @@ impl<'a> SceneReport<'a> {
     }
 }
 
-impl Serialize for Spacetime {
+impl Serialize for Spacetime<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", self.0.entry().name)?;
@@ -203,12 +206,18 @@ impl Serialize for Spacetime {
                 map.serialize_entry("horizon", &hole.horizon())?;
                 map.serialize_entry("ergosphere", &hole.ergosphere())?;
             }
+            SpacetimeKind::Indexed(IndexMedium::SeveralHoles(holes)) => {
+                map.serialize_entry("hole", &HoleRow::of(holes))?;
+            }
+            SpacetimeKind::Indexed(IndexMedium::Lenses(lenses)) => {
+                map.serialize_entry("lens", &LensRow::of(lenses))?;
+            }
         }
         map.end()
     }
 }
 
-impl Spacetime {
+impl Spacetime<'_> {
     fn text(&self) -> String {
         let title = self.0.entry().title;
         let values = self.0.parameters();
@@ -235,7 +244,73 @@ impl Spacetime {
                 rounded(hole.equatorial_radius(hole.horizon()), 4),
                 rounded(hole.equatorial_radius(hole.ergosphere()), 4)
             ),
+            SpacetimeKind::Indexed(IndexMedium::SeveralHoles(holes)) => {
+                let hole = |HoleRow { center, mass, photon_sphere }: HoleRow| {
+                    format!(
+                        "; hole of mass {} at {}, photon sphere about {}",
+                        rounded(mass, PLACE),
+                        point(&center),
+                        rounded(photon_sphere, 4)
+                    )
+                };
+                format!("{title}{}", HoleRow::of(holes).into_iter().map(hole).collect::<String>())
+            }
+            SpacetimeKind::Indexed(IndexMedium::Lenses(lenses)) => {
+                let lens = |LensRow { kind, center, size, amplitude }: LensRow| {
+                    let size = rounded(size, PLACE);
+                    let amplitude = amplitude.map(|a| format!(", index 1 + {}", rounded(a, PLACE)));
+                    let amplitude = amplitude.unwrap_or_default();
+                    format!("; {kind} lens of size {size} at {}{amplitude}", point(&center))
+                };
+                format!("{title}{}", LensRow::of(lenses).into_iter().map(lens).collect::<String>())
+            }
         }
+    }
+}
+
+/// A hole of several.
+#[derive(Serialize)]
+struct HoleRow {
+    center: [f64; 3],
+    mass: f64,
+    photon_sphere: f64,
+}
+
+impl HoleRow {
+    fn of(holes: &SeveralHoles) -> Vec<Self> {
+        let row = |(hole, sink): (&Hole, &Sink)| Self {
+            center: hole.center.to_array(),
+            mass: hole.mass,
+            photon_sphere: sink.photon_sphere,
+        };
+        holes.holes().iter().zip(holes.sinks()).map(row).collect()
+    }
+}
+
+/// A lens.
+#[derive(Serialize)]
+struct LensRow {
+    kind: &'static str,
+    center: [f64; 3],
+    size: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    amplitude: Option<f64>,
+}
+
+impl LensRow {
+    fn of(lenses: &Lenses) -> Vec<Self> {
+        let row = |lens: &GradedLens| {
+            let center = lens.center().to_array();
+            match *lens {
+                GradedLens::Gaussian { width, amplitude, .. } => {
+                    Self { kind: "gaussian", center, size: width, amplitude: Some(amplitude) }
+                }
+                GradedLens::Luneburg { radius, .. } => {
+                    Self { kind: "luneburg", center, size: radius, amplitude: None }
+                }
+            }
+        };
+        lenses.lenses().iter().map(row).collect()
     }
 }
 

@@ -115,7 +115,7 @@ const MISNOMERS: &[Misnomer] = &[
     ),
     does(
         "progress",
-        "'--progress none' origin_prim the progress out",
+        "'--progress none' leaves the progress out",
         "-q --quiet --silent --no-progress --no-bar",
     ),
     does(

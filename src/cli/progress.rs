@@ -47,7 +47,7 @@ impl Show {
 /// The flag for it.
 #[derive(Debug, Default, Args)]
 pub(super) struct ProgressArgs {
-    /// How progress is shown on stderr: a bar on a terminal, a plain line every 2 seconds, or not at all
+    /// Display of progress on stderr: a bar on a terminal, a plain line every 2 seconds, or not at all
     #[arg(long, value_enum, value_name = "HOW", default_value = "auto")]
     pub(super) progress: Show,
 }

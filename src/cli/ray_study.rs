@@ -70,8 +70,8 @@ fn case(columns: &RayColumns, ends: Option<&[usize; ENDS.len()]>, row: &ByteReco
     let exact = match ends {
         Some(places) => given(columns, places, row)?,
         None => {
-            let exact =
-                Exact::followed(spacetime, &ray).map_err(|fault| columns.header.refuse(line(row), &fault))?;
+            let exact = Exact::followed(&spacetime, &ray)
+                .map_err(|fault| columns.header.refuse(line(row), &fault))?;
             if exact.status.is_lost() {
                 let cause = format!("the reference itself is lost: {}", exact.status.name());
                 return Err(columns.header.at(line(row), "the ray", &cause).help("take the row out"));

@@ -183,14 +183,14 @@ pub(super) struct SettingArgs {
     /// Source of random numbers [default: the scene's, else sobol]
     #[arg(long, value_enum, value_name = "NAME")]
     sampler: Option<SamplerKind>,
-    /// How lights are looked for beside the rays that run into them; `straight` is the paper's way, wrong near a hole
+    /// Sampling of lights, beside the rays that run into them; `straight` is the paper's way, wrong near a hole
     /// [default: the scene's, else geodesic]
     #[arg(long, value_enum, value_name = "NAME")]
     light_sampling: Option<LightSampling>,
     /// Largest winding number of rays to lights that are looked for [default: the scene's, else 1]
     #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
     max_winding: Option<u32>,
-    /// How light that is found both ways is shared [default: the scene's, else balance]
+    /// Heuristic that shares light which is found both ways [default: the scene's, else balance]
     #[arg(long, value_enum, value_name = "NAME")]
     mis: Option<Heuristic>,
 }
@@ -202,7 +202,7 @@ pub(super) struct AccuracyArgs {
     /// holds if the scene sets none]
     #[arg(long, value_enum, value_name = "PRESET")]
     quality: Option<Quality>,
-    /// How rays are advanced through curved space [default: the scene's, else rkn6]
+    /// Stepper that advances rays through curved space [default: the scene's, else rkn6]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in [default: the scene's, else f64]
@@ -286,7 +286,13 @@ pub(super) struct ShareArgs {
     #[arg(long, value_name = "N", value_parser = parse::threads, default_value = "0", allow_hyphen_values = true)]
     threads: usize,
     /// Rays in flight per worker
-    #[arg(long, value_name = "N", value_parser = parse::batch, default_value_t = Run::default().batch, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::batch,
+        default_value_t = Run::default().batch,
+        allow_hyphen_values = true
+    )]
     batch: usize,
     /// Planes to write beside the colours, separated by commas, or all [default: none]
     #[arg(long = "aov", value_name = "LIST", value_parser = parse::planes(), value_delimiter = ',')]

@@ -6,7 +6,7 @@ use super::units::plural;
 use crate::film::Aov;
 use crate::scene::{Background, Baked, LightSampling, StepperKind, flag_name};
 use crate::shade::Material;
-use crate::spacetime::Side;
+use crate::spacetime::{Side, SpacetimeKind};
 use crate::trace::LightSummary;
 
 /// One stage.
@@ -40,7 +40,13 @@ fn advance(scene: &Baked) -> Stage {
         return stage("advance", false, "flat: straight rays, one query per ray; no marching");
     }
     let settings = &scene.settings;
-    let stepper = flag_name(settings.stepper);
+    let stepper = match (&scene.spacetime, settings.stepper) {
+        (SpacetimeKind::Indexed(_), StepperKind::Dop853) => StepperKind::Dop853,
+        // In three dimensions it stands for all others.
+        (SpacetimeKind::Indexed(_), _) => StepperKind::Rkn6,
+        (_, stepper) => stepper,
+    };
+    let stepper = flag_name(stepper);
     stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
 }
 
@@ -113,6 +119,9 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
     let Some(lights) = sampling else {
         let why = match settings.light_sampling {
             LightSampling::Off => "light sampling is off",
+            _ if matches!(scene.spacetime, SpacetimeKind::Indexed(_)) => {
+                "nothing aims at lights in this spacetime yet"
+            }
             _ if !scene.materials.iter().any(Material::spreads_light) => "nothing diffuse to be lit",
             _ => "nothing that rays do not find as well by themselves",
         };
@@ -144,7 +153,6 @@ fn aovs(planes: &[Aov]) -> Stage {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::spacetime::SpacetimeKind;
     use std::time::Duration;
 
     use glam::{DVec3, Vec3};

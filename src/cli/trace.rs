@@ -69,7 +69,7 @@ impl RowWise for TraceJob {
 
     fn answer(&self, row: &ByteRecord) -> Result<Exit, Failure> {
         let (spacetime, ray) = self.columns.ray(row)?;
-        free::trace(spacetime, &ray, &self.accuracy)
+        free::trace(&spacetime, &ray, &self.accuracy)
             .map_err(|fault| self.columns.header.refuse(line(row), &fault))
     }
 

@@ -65,6 +65,20 @@ const NEGLIGIBLE: f64 = 0.1;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
+/// Factor from the length of a step to that of the next, given the relative errors of the one before and of this one,
+/// whether this one is `accepted`, and the order of the estimate.
+///
+/// A PI controller \[Söderlind 2003, "Digital filters in adaptive time-stepping", ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
+#[inline(always)]
+pub(super) fn growth(order: u32, accepted: bool, previous: f64, error: f64) -> f32 {
+    // (e₋₁/e³)^(1/4p) with p rounded to a power of two, in logarithms.
+    let log2 = |error: f64| fast_log2::log2(error as f32);
+    let halvings = if order > 6 { 5 } else { 4 };
+    let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(error)) >> halvings);
+    let most = if accepted { GROWTH.1 } else { HALVED };
+    factor.at_most(most).at_least(GROWTH.0)
+}
+
 impl<R: Real> Control<R> {
     /// The tolerance to which smaller ones are raised, radians.
     pub fn least_tolerance() -> f64 {
@@ -99,8 +113,7 @@ impl<R: Real> Control<R> {
     /// Judges `step`, whose arc is off by `arc_error`, after a step whose relative error was `previous`.
     ///
     /// Errors of steps add up to the error of the ray, so each gets a share of the tolerance by the angle that it
-    /// sweeps. The next length follows a PI controller \[Söderlind 2003, "Digital filters in adaptive time-stepping",
-    /// ACM TOMS 29, 1\] with β₁ = ¾, β₂ = −¼.
+    /// sweeps.
     #[inline(always)]
     pub fn judge<S: Stepper>(&self, step: &Step<R>, arc_error: R, previous: R) -> StepVerdict<R> {
         let StepErrorModel { order, embedded, undone } = S::ESTIMATE;
@@ -114,12 +127,7 @@ impl<R: Real> Control<R> {
             + arc_error * self.per_arc_tolerance;
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
-        // (e₋₁/e³)^(1/4p) with p rounded to a power of two, in logarithms.
-        let log2 = |error: R| fast_log2::log2(error.value() as f32);
-        let halvings = if order > 6 { 5 } else { 4 };
-        let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(bounded)) >> halvings);
-        let most = if accepted { GROWTH.1 } else { HALVED };
-        let factor = factor.at_most(most).at_least(GROWTH.0);
+        let factor = growth(order, accepted, previous.value(), bounded.value());
         StepVerdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
     }
 

@@ -6,6 +6,7 @@ mod arc;
 mod control;
 mod dop853;
 mod dopri5;
+mod field;
 mod follow;
 pub mod kerr;
 mod leapfrog4;
@@ -16,6 +17,7 @@ mod rk4_paper;
 mod rkf45;
 mod rkn4;
 mod rkn6;
+mod space_arc;
 mod stepper;
 mod time;
 
@@ -23,6 +25,10 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+pub use field::{
+    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, at_infinity,
+    follow_field, lane, set_lane,
+};
 pub use follow::{Journey, OrbitEnd, follow, until};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
@@ -32,5 +38,6 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
+pub use space_arc::{SpaceArc, fit_space_arc, halfway};
 pub use stepper::{StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

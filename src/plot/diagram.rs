@@ -6,7 +6,7 @@ use super::svg::{Align, Drawing};
 
 /// Curves that look alike and share a line in the legend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Series {
+pub struct DataSeries {
     /// Name in the legend; empty to leave it out.
     pub name: String,
     /// Style of its curves.
@@ -27,7 +27,7 @@ pub struct Diagram {
     /// Width and height of the frame, points.
     pub size: [f64; 2],
     /// Later ones are drawn over earlier ones.
-    pub series: Vec<Series>,
+    pub series: Vec<DataSeries>,
 }
 
 /// Around the frame, points: left, top, right, bottom.
@@ -44,7 +44,7 @@ const GRID: Style = Style::line(Color("#E6E6E6"), 1.0);
 
 impl Diagram {
     /// A diagram with logarithmic axes around all points of `series`.
-    pub fn log_log(title: &str, [x, y]: [&str; 2], size: [f64; 2], series: Vec<Series>) -> Self {
+    pub fn log_log(title: &str, [x, y]: [&str; 2], size: [f64; 2], series: Vec<DataSeries>) -> Self {
         let points = || series.iter().flat_map(|series| series.curves.iter().flatten());
         let x = Axis::log_around(x, points().map(|[x, _]| *x));
         let y = Axis::log_around(y, points().map(|[_, y]| *y));
@@ -53,7 +53,7 @@ impl Diagram {
 
     /// The diagram with `line` behind all that it has.
     #[must_use]
-    pub fn over(mut self, line: Series) -> Self {
+    pub fn over(mut self, line: DataSeries) -> Self {
         self.series.insert(0, line);
         self
     }

@@ -1,6 +1,6 @@
 //! Diagrams side by side over their legend.
 
-use super::diagram::{Diagram, LABEL, Series};
+use super::diagram::{DataSeries, Diagram, LABEL};
 use super::style::Style;
 use super::svg::{Align, Drawing, text_width};
 
@@ -59,17 +59,17 @@ fn sample([x, y]: [f64; 2], style: Style, drawing: &mut Drawing) {
     }
 }
 
-fn entry_width(series: &Series) -> f64 {
+fn entry_width(series: &DataSeries) -> f64 {
     SAMPLE + GAP + text_width(&series.name, LABEL)
 }
 
-fn row_width(row: &[&Series]) -> f64 {
+fn row_width(row: &[&DataSeries]) -> f64 {
     row.iter().map(|series| entry_width(series)).sum::<f64>() + SPACING * row.len().saturating_sub(1) as f64
 }
 
 /// The named series in rows no wider than `room`, unless by a single name.
-fn rows(series: &[Series], room: f64) -> Vec<Vec<&Series>> {
-    let mut rows: Vec<Vec<&Series>> = Vec::new();
+fn rows(series: &[DataSeries], room: f64) -> Vec<Vec<&DataSeries>> {
+    let mut rows: Vec<Vec<&DataSeries>> = Vec::new();
     for series in series.iter().filter(|series| !series.name.is_empty()) {
         match rows.last_mut() {
             Some(row) if row_width(row) + SPACING + entry_width(series) <= room => row.push(series),

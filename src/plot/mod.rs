@@ -1,6 +1,6 @@
 //! Diagrams for papers: drawn as SVG, and as PNG by rasterising that.
 //!
-//! [`Figure`] holds [`Diagram`]s side by side above one legend; a diagram holds [`Series`] of curves between two
+//! [`Figure`] holds [`Diagram`]s side by side above one legend; a diagram holds [`DataSeries`] of curves between two
 //! [`Axis`]. Colours are those of Okabe and Ito, which the colour-blind can tell apart too, and markers repeat what
 //! they say.
 
@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub use axis::Axis;
-pub use diagram::{Diagram, Series};
+pub use diagram::{DataSeries, Diagram};
 pub use figure::Figure;
 pub use style::{Color, Style};
 

@@ -7,21 +7,28 @@ use glam::DVec3;
 use super::Camera;
 use super::systems::Bounds;
 use crate::light::Punctual;
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{ConformallyFlat, Mouths, SpacetimeKind, Wormhole};
 
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
 const DIM: f64 = 0.02;
 
-/// Oddities of where the hole is: outside of what the surfaces and the camera span, or out of the picture.
-pub(super) fn of_hole(
-    spacetime: SpacetimeKind,
+/// Oddities of where holes are: outside of what the surfaces and the camera span, or out of the picture.
+pub(super) fn of_holes(
+    spacetime: &SpacetimeKind,
     camera: &Camera,
     aspect: f64,
     boxes: &[(Bounds, u32)],
 ) -> Vec<String> {
-    let mouth = spacetime.wormhole().map(|(mouths, _)| mouths.center(camera.side));
-    let Some(center) = mouth.or(spacetime.center()) else { return Vec::new() };
-    let shadow = spacetime.shadow();
+    let of = |(center, shadow)| of_hole(center, shadow, camera, aspect, boxes);
+    let beside = |(mouths, metric): (Mouths, Wormhole)| {
+        vec![(mouths.center(camera.side), metric.critical_impact_parameter())]
+    };
+    let shadows = spacetime.wormhole().map_or_else(|| spacetime.shadows(), beside);
+    shadows.into_iter().flat_map(of).collect()
+}
+
+/// Oddities of where a hole is whose shadow has this radius from afar.
+fn of_hole(center: DVec3, shadow: f64, camera: &Camera, aspect: f64, boxes: &[(Bounds, u32)]) -> Vec<String> {
     let [x, y, z] = center.to_array().map(|value| value as f32);
     let mut notes = Vec::new();
     if let Some(bounds) = Bounds::of_all(boxes) {
@@ -82,14 +89,14 @@ mod tests {
 
     fn notes(center: DVec3) -> Vec<String> {
         let hole = SpacetimeKind::black_hole(center, 0.1);
-        of_hole(hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
+        of_holes(&hole, &camera(), 1.0, &[(Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) }, 0)])
     }
 
     #[test]
     fn a_hole_within_the_scene_and_in_view_is_not_odd() {
         assert!(notes(DVec3::ZERO).is_empty());
         assert!(notes(DVec3::new(0.0, 0.0, 2.05)).is_empty(), "between the scene and the camera");
-        assert!(of_hole(SpacetimeKind::Flat, &camera(), 1.0, &[]).is_empty());
+        assert!(of_holes(&SpacetimeKind::Flat, &camera(), 1.0, &[]).is_empty());
     }
 
     #[test]

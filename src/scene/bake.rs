@@ -46,6 +46,10 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let camera = choose_camera(&mut world, wanted_camera, [&boxes, &far_boxes])?;
     check_outside_horizon(&world, &camera)?;
     let punctual = lights(&mut world)?;
+    if matches!(world.spacetime, SpacetimeKind::Indexed(_)) && !punctual.is_empty() {
+        let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
+        world.warnings.push(what.to_owned());
+    }
     warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
@@ -59,7 +63,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         Side::Near => &boxes,
         Side::Far => &far_boxes,
     };
-    world.notes.extend(advice::of_hole(world.spacetime, &camera, aspect, around));
+    world.notes.extend(advice::of_holes(&world.spacetime, &camera, aspect, around));
     let mut geometry = Geometry::build(near);
     if world.spacetime.wormhole().is_some() {
         geometry = geometry.with_far(Geometry::build(far));
@@ -74,7 +78,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         punctual.iter().filter(|(of, _)| *of == side).map(|(_, light)| *light).collect::<Vec<_>>()
     });
     Ok(Baked {
-        spacetime: world.spacetime,
+        spacetime: world.spacetime.clone(),
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry,
@@ -291,8 +295,15 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
                 "the camera is in the ergosphere, where nothing can be at rest: {distance} from the hole's center"
             )
         }
+        SpacetimeKind::Indexed(_) => "the camera is at the horizon of a hole".to_owned(),
     };
-    let help = "move the camera away, or use a smaller schwarzschild_radius";
+    let help = match world.spacetime {
+        SpacetimeKind::Indexed(_) => "move the camera away",
+        SpacetimeKind::Flat
+        | SpacetimeKind::Spherical { .. }
+        | SpacetimeKind::Wormhole { .. }
+        | SpacetimeKind::Spinning { .. } => "move the camera away, or use a smaller schwarzschild_radius",
+    };
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),
         None => Err(Fault::whole(problem, help)),

@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::error::{Fault, suggestion};
 use super::{Background, Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
 use crate::light::Heuristic;
-use crate::spacetime::{Entry, SPACETIMES, Side};
+use crate::spacetime::{Entry, LISTED, SPACETIMES, Side};
 
 /// A number with its place.
 pub type Number = Spanned<f64>;
@@ -45,7 +45,7 @@ pub struct SceneFile {
     pub entity: Vec<Spanned<EntityTable>>,
 }
 
-/// `[spacetime]`: its keys besides `kind` and those of the place are the parameters of [`SPACETIMES`].
+/// `[spacetime]`: its keys besides those named here are the parameters of [`SPACETIMES`].
 #[derive(Debug)]
 pub struct SpacetimeTable {
     /// Kind; parameters that it does not have are without effect.
@@ -60,6 +60,56 @@ pub struct SpacetimeTable {
     pub far_rotate: Option<Spanned<Rotation>>,
     /// Values by their keys.
     pub parameters: BTreeMap<&'static str, Number>,
+    /// `[[spacetime.hole]]`, of several holes.
+    pub hole: Vec<Spanned<HoleTable>>,
+    /// `[[spacetime.lens]]`, of lenses.
+    pub lens: Vec<Spanned<LensTable>>,
+}
+
+/// `[[spacetime.hole]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoleTable {
+    /// Position.
+    pub center: Vector,
+    /// Mass, scene units.
+    pub mass: Number,
+}
+
+/// `[[spacetime.lens]]`; which keys there are depends on the kind.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LensTable {
+    /// Kind.
+    pub kind: LensName,
+    /// Position of the middle.
+    pub center: Vector,
+    /// Standard deviation of a Gaussian lens, scene units.
+    pub width: Option<Number>,
+    /// Index in the middle of a Gaussian lens, less 1.
+    pub amplitude: Option<Number>,
+    /// Radius of a Luneburg lens, scene units.
+    pub radius: Option<Number>,
+}
+
+/// `spacetime.lens.kind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LensName {
+    /// n = 1 + a exp(−r²/2s²).
+    Gaussian,
+    /// n² = 2 − r²/R² within R.
+    Luneburg,
+}
+
+impl LensName {
+    /// The name in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gaussian => "gaussian",
+            Self::Luneburg => "luneburg",
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for SpacetimeTable {
@@ -95,11 +145,13 @@ impl<'de> Deserialize<'de> for SpacetimeName {
 
 /// Names of all spacetimes, and keys of `[spacetime]`.
 static SPACETIME_NAMES: LazyLock<Vec<&str>> =
-    LazyLock::new(|| SPACETIMES.iter().map(|entry| entry.name).collect());
+    LazyLock::new(|| SPACETIMES.iter().chain(LISTED).map(|entry| entry.name).collect());
 static SPACETIME_KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
     let parameters = SPACETIMES.iter().flat_map(|entry| entry.parameters).map(|parameter| parameter.key);
-    let mut keys: Vec<&str> =
-        ["kind", "center", "axis", "far_center", "far_rotate"].into_iter().chain(parameters).collect();
+    let mut keys: Vec<&str> = ["kind", "center", "axis", "far_center", "far_rotate", "hole", "lens"]
+        .into_iter()
+        .chain(parameters)
+        .collect();
     let mut known = BTreeSet::new();
     keys.retain(|key| known.insert(*key));
     keys
@@ -115,6 +167,7 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SpacetimeTable, A::Error> {
         let (mut kind, mut center, mut axis, mut parameters) = (None, None, None, BTreeMap::new());
         let (mut far_center, mut far_rotate) = (None, None);
+        let (mut hole, mut lens) = (Vec::new(), Vec::new());
         while let Some(SpacetimeKey(key)) = map.next_key()? {
             match key {
                 "kind" => kind = Some(map.next_value::<SpacetimeName>()?.0),
@@ -122,11 +175,13 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
                 "axis" => axis = Some(map.next_value()?),
                 "far_center" => far_center = Some(map.next_value()?),
                 "far_rotate" => far_rotate = Some(map.next_value()?),
+                "hole" => hole = map.next_value()?,
+                "lens" => lens = map.next_value()?,
                 parameter => drop(parameters.insert(parameter, map.next_value()?)),
             }
         }
         let kind = kind.ok_or_else(|| de::Error::missing_field("kind"))?;
-        Ok(SpacetimeTable { kind, center, axis, far_center, far_rotate, parameters })
+        Ok(SpacetimeTable { kind, center, axis, far_center, far_rotate, parameters, hole, lens })
     }
 }
 

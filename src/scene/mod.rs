@@ -17,6 +17,7 @@ mod file;
 mod foreign;
 mod hole;
 mod light;
+mod listed;
 mod load;
 mod overrides;
 mod populate;

@@ -17,13 +17,14 @@ use super::file::{
 };
 use super::foreign;
 use super::light::light;
+use super::listed;
 use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
 use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
-use crate::spacetime::{Entry, Parameter, Placement, Range, Side, SpacetimeKind};
+use crate::spacetime::{Entry, Listed, Parameter, Placement, Range, Side, SpacetimeKind};
 
 /// Albedo of a diffuse material that does not say.
 const DEFAULT_ALBEDO: f32 = 0.8;
@@ -124,6 +125,18 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
         if parameters.iter().all(|parameter| parameter.key != *key) && *value.get_ref() != 0.0 {
             warnings.push(format!("spacetime.{key} has no effect, since spacetime.kind is {name}"));
         }
+    }
+    let is_listed = |listed| table.kind.listed == Some(listed);
+    let no_effect = [
+        ("center", table.center.is_some() && table.kind.listed.is_some()),
+        ("hole", !table.hole.is_empty() && !is_listed(Listed::Holes)),
+        ("lens", !table.lens.is_empty() && !is_listed(Listed::Lenses)),
+    ];
+    for (key, _) in no_effect.iter().filter(|(_, is_given)| *is_given) {
+        warnings.push(format!("spacetime.{key} has no effect, since spacetime.kind is {name}"));
+    }
+    if let Some(listed) = table.kind.listed {
+        return listed::spacetime(table, listed, span);
     }
     let mut values = Vec::with_capacity(parameters.len());
     for Parameter { key, noun, range, .. } in *parameters {

@@ -92,6 +92,13 @@ impl KerrNewman {
         r2.sqrt()
     }
 
+    /// N of the outgoing chart at a position: that of the ingoing one with the spin reversed.
+    pub fn outgoing(&self, x: DVec3) -> DVec3 {
+        let (a, r) = (self.spin * self.mass, self.radius(x));
+        let per = 1.0 / (r * r + a * a);
+        DVec3::new((r * x.x - a * x.y) * per, (r * x.y + a * x.x) * per, x.z / r)
+    }
+
     /// F = (2Mr − q²) r²/(r⁴ + a²z²): 1 on the surface of the ergosphere, less outside.
     pub fn potential(&self, x: DVec3) -> f64 {
         let (a, q) = (self.spin * self.mass, self.charge * self.mass);

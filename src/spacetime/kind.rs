@@ -5,14 +5,18 @@ use glam::DVec3;
 use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
 use super::ellis::Ellis;
+use super::index_field::{IndexField, Sink};
 use super::kerr::Kerr;
 use super::kerr_newman::KerrNewman;
+use super::lenses::Lenses;
 use super::mouths::Mouths;
 use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::placement::Placement;
 use super::reissner_nordstrom::ReissnerNordstrom;
+use super::rest_frame::RestFrame;
 use super::schwarzschild::Schwarzschild;
+use super::several_holes::SeveralHoles;
 use super::side::Side;
 use crate::math::real::Real;
 
@@ -113,7 +117,7 @@ media! {
 }
 
 /// A spacetime and where its centre is placed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpacetimeKind {
     /// Minkowski: rays are straight.
     Flat,
@@ -138,6 +142,26 @@ pub enum SpacetimeKind {
         /// The hole about its centre, with the axis along z.
         hole: KerrNewman,
     },
+    /// A static index of refraction in three dimensions, in isotropic coordinates.
+    Indexed(IndexMedium),
+}
+
+/// Static indices of refraction in three dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IndexMedium {
+    /// Majumdar and Papapetrou's holes.
+    SeveralHoles(SeveralHoles),
+    /// Glass.
+    Lenses(Lenses),
+}
+
+/// What a spacetime is a list of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listed {
+    /// Holes.
+    Holes,
+    /// Lenses.
+    Lenses,
 }
 
 /// Work on a spacetime of any family: a new family does not compile until every visitor handles it.
@@ -156,6 +180,9 @@ pub trait SpacetimeVisitor {
 
     /// Around a spinning hole.
     fn spinning(self, placement: Placement, hole: KerrNewman) -> Self::Output;
+
+    /// In a static index of refraction in three dimensions.
+    fn indexed<F: IndexField>(self, field: &F) -> Self::Output;
 }
 
 /// A spacetime's entry in the table of all.
@@ -173,6 +200,8 @@ pub struct Entry {
     pub has_axis: bool,
     /// True if it joins two worlds.
     pub has_far_side: bool,
+    /// What it is a list of, beside its parameters.
+    pub listed: Option<Listed>,
     conflict: fn(&[f64]) -> Option<(String, String)>,
     make: fn(Placement, &[f64]) -> SpacetimeKind,
 }
@@ -184,9 +213,26 @@ static FLAT: Entry = Entry {
     parameters: &[],
     has_axis: false,
     has_far_side: false,
+    listed: None,
     conflict: |_| None,
     make: |_, _| SpacetimeKind::Flat,
 };
+static SEVERAL_HOLES: Entry = Entry {
+    name: "several-holes",
+    title: "Majumdar–Papapetrou",
+    summary: "Any number of extremally charged holes at rest; isotropic coordinates",
+    listed: Some(Listed::Holes),
+    ..FLAT
+};
+static LENSES: Entry = Entry {
+    name: "lenses",
+    title: "graded glass",
+    summary: "Lenses of a graded index in flat space",
+    listed: Some(Listed::Lenses),
+    ..FLAT
+};
+/// Spacetimes that are lists of things, which only scene files can write.
+pub static LISTED: &[&Entry] = &[&SEVERAL_HOLES, &LENSES];
 static KERR: Entry = Entry::spinning::<Kerr>();
 static KERR_NEWMAN: Entry = Entry::spinning::<KerrNewman>();
 
@@ -199,6 +245,7 @@ impl Entry {
             parameters: N::PARAMETERS,
             has_axis,
             has_far_side: false,
+            listed: None,
             conflict: N::conflict,
             make,
         }
@@ -228,7 +275,7 @@ impl Entry {
 
     /// The entry of this name.
     pub fn named(name: &str) -> Option<&'static Self> {
-        SPACETIMES.iter().find(|entry| entry.name == name).copied()
+        SPACETIMES.iter().chain(LISTED).find(|entry| entry.name == name).copied()
     }
 
     /// Problem with values that are each within bounds but not together, and its remedy.
@@ -257,103 +304,122 @@ impl SpacetimeKind {
     }
 
     /// Entry in the table of all.
-    pub fn entry(self) -> &'static Entry {
+    pub fn entry(&self) -> &'static Entry {
         match self {
             Self::Flat => &FLAT,
             Self::Spherical { metric, .. } => metric.entry(),
             Self::Wormhole { metric, .. } => metric.entry(),
             Self::Spinning { hole, .. } if hole.charge() == 0.0 => &KERR,
             Self::Spinning { .. } => &KERR_NEWMAN,
+            Self::Indexed(IndexMedium::SeveralHoles(_)) => &SEVERAL_HOLES,
+            Self::Indexed(IndexMedium::Lenses(_)) => &LENSES,
         }
     }
 
     /// Test for flat space.
-    pub fn is_flat(self) -> bool {
-        self == Self::Flat
+    pub fn is_flat(&self) -> bool {
+        *self == Self::Flat
     }
 
-    /// World position of the centre, if there is one; of a wormhole in the near world.
-    pub fn center(self) -> Option<DVec3> {
+    /// World position of the centre, or of the middle of several things, if there is one; of a wormhole in the near world.
+    pub fn center(&self) -> Option<DVec3> {
         match self {
             Self::Flat => None,
-            Self::Spherical { center, .. } => Some(center),
+            Self::Spherical { center, .. } => Some(*center),
             Self::Wormhole { mouths, .. } => Some(mouths.near),
             Self::Spinning { placement, .. } => Some(placement.center),
+            Self::Indexed(medium) => Some(medium.middle()),
         }
     }
 
-    /// Centre and axis; those of the origin in flat space.
-    fn placement(self) -> Placement {
+    /// Centre and axis; those of the origin where there are none.
+    fn placement(&self) -> Placement {
         match self {
-            Self::Flat => Placement::default(),
-            Self::Spherical { center, .. } => center.into(),
-            Self::Wormhole { mouths, .. } => mouths.into(),
-            Self::Spinning { placement, .. } => placement,
+            Self::Flat | Self::Indexed(_) => Placement::default(),
+            Self::Spherical { center, .. } => (*center).into(),
+            Self::Spinning { placement, .. } => *placement,
+            Self::Wormhole { mouths, .. } => (*mouths).into(),
         }
     }
 
     /// Centre and optical medium of a static, spherical spacetime.
-    pub fn medium(self) -> Option<(DVec3, Metric)> {
+    pub fn medium(&self) -> Option<(DVec3, Metric)> {
         match self {
-            Self::Flat | Self::Wormhole { .. } | Self::Spinning { .. } => None,
-            Self::Spherical { center, metric } => Some((center, metric)),
+            Self::Flat | Self::Wormhole { .. } | Self::Spinning { .. } | Self::Indexed(_) => None,
+            Self::Spherical { center, metric } => Some((*center, *metric)),
         }
     }
 
     /// Mouths and optical medium of a wormhole.
-    pub fn wormhole(self) -> Option<(Mouths, Wormhole)> {
+    pub fn wormhole(&self) -> Option<(Mouths, Wormhole)> {
         match self {
-            Self::Flat | Self::Spherical { .. } | Self::Spinning { .. } => None,
-            Self::Wormhole { mouths, metric } => Some((mouths, metric)),
+            Self::Flat | Self::Spherical { .. } | Self::Spinning { .. } | Self::Indexed(_) => None,
+            Self::Wormhole { mouths, metric } => Some((*mouths, *metric)),
         }
     }
 
     /// Largest chart radius of the horizon, 0 if there is none.
-    pub fn horizon(self) -> f64 {
+    pub fn horizon(&self) -> f64 {
         match self {
-            Self::Flat | Self::Wormhole { .. } => 0.0,
+            Self::Flat | Self::Wormhole { .. } | Self::Indexed(_) => 0.0,
             Self::Spherical { metric, .. } => metric.horizon(),
             Self::Spinning { hole, .. } => hole.equatorial_radius(hole.horizon()),
         }
     }
 
-    /// Largest impact parameter of rays from afar that are captured or pass a throat, 0 if none is.
-    pub fn shadow(self) -> f64 {
+    /// Places of all holes, each with the largest impact parameter of rays from afar that it captures or lets through a
+    /// throat, 0 if none is.
+    pub fn shadows(&self) -> Vec<(DVec3, f64)> {
         match self {
-            Self::Flat => 0.0,
-            Self::Spherical { metric, .. } => metric.critical_impact_parameter(),
-            Self::Wormhole { metric, .. } => metric.critical_impact_parameter(),
-            Self::Spinning { hole, .. } => hole.shadow(),
+            Self::Flat => Vec::new(),
+            Self::Spherical { center, metric } => vec![(*center, metric.critical_impact_parameter())],
+            Self::Wormhole { mouths, metric } => vec![(mouths.near, metric.critical_impact_parameter())],
+            Self::Spinning { placement, hole } => vec![(placement.center, hole.shadow())],
+            Self::Indexed(medium) => medium.sinks().iter().map(|sink| (sink.center, sink.shadow)).collect(),
+        }
+    }
+
+    /// Frames of things at rest.
+    pub fn rest_frame(&self) -> RestFrame {
+        match *self {
+            Self::Flat | Self::Spherical { .. } | Self::Wormhole { .. } | Self::Indexed(_) => {
+                RestFrame::Conformal
+            }
+            Self::Spinning { placement, hole } => RestFrame::Spinning(placement, hole),
         }
     }
 
     /// True within the throat of a wormhole on a side: such places belong to neither world.
-    pub fn is_in_throat(self, side: Side, point: DVec3) -> bool {
+    pub fn is_in_throat(&self, side: Side, point: DVec3) -> bool {
         self.wormhole().is_some_and(|(mouths, metric)| point.distance(mouths.center(side)) < metric.throat())
     }
 
     /// True where nothing can be at rest: within a horizon, or in the ergosphere of a spinning hole.
-    pub fn drags(self, point: DVec3) -> bool {
+    pub fn drags(&self, point: DVec3) -> bool {
         match self {
             Self::Flat | Self::Wormhole { .. } => false,
-            Self::Spherical { center, metric } => point.distance(center) <= metric.horizon(),
+            Self::Spherical { center, metric } => point.distance(*center) <= metric.horizon(),
             Self::Spinning { placement, hole } => hole.drags(placement.local(point)),
+            Self::Indexed(_) => self.hides(point),
         }
     }
 
     /// True so near the horizon, or within, that no ray is followed there.
-    pub fn hides(self, point: DVec3) -> bool {
+    pub fn hides(&self, point: DVec3) -> bool {
         match self {
             Self::Flat | Self::Wormhole { .. } => false,
-            Self::Spherical { center, metric } => point.distance(center) <= Chart::innermost(&metric),
+            Self::Spherical { center, metric } => point.distance(*center) <= Chart::innermost(metric),
             Self::Spinning { .. } => self.drags(point),
+            Self::Indexed(medium) => {
+                medium.sinks().iter().any(|sink| point.distance(sink.center) <= sink.innermost)
+            }
         }
     }
 
     /// Parameters and their values.
-    pub fn parameters(self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
         let values = match self {
-            Self::Flat => Vec::new(),
+            Self::Flat | Self::Indexed(_) => Vec::new(),
             Self::Spherical { metric, .. } => metric.values(),
             Self::Wormhole { metric, .. } => metric.values(),
             Self::Spinning { hole, .. } => hole.values(),
@@ -362,12 +428,15 @@ impl SpacetimeKind {
     }
 
     /// Schwarzschild radius 2M, 0 if there is no mass.
-    pub fn schwarzschild_radius(self) -> f64 {
+    pub fn schwarzschild_radius(&self) -> f64 {
         self.parameters().find(|(p, _)| p.key == SCHWARZSCHILD_RADIUS.key).map_or(0.0, |(_, value)| value)
     }
 
     /// Replaces the Schwarzschild radius; a spacetime without one is unchanged.
-    pub fn with_schwarzschild_radius(self, radius: f64) -> Self {
+    pub fn with_schwarzschild_radius(&self, radius: f64) -> Self {
+        if self.parameters().next().is_none() {
+            return self.clone();
+        }
         let value =
             |(p, old): (&Parameter, f64)| if p.key == SCHWARZSCHILD_RADIUS.key { radius } else { old };
         let values: Vec<f64> = self.parameters().map(value).collect();
@@ -376,7 +445,7 @@ impl SpacetimeKind {
 
     /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed
     /// once.
-    pub fn in_units(self) -> Option<(Metric, f64)> {
+    pub fn in_units(&self) -> Option<(Metric, f64)> {
         let is_length = |parameter: &Parameter| parameter.range == Range::Length;
         let (_, unit) = self.parameters().find(|(parameter, _)| is_length(parameter))?;
         let scaled = |(parameter, value)| if is_length(parameter) { value / unit } else { value };
@@ -385,12 +454,32 @@ impl SpacetimeKind {
     }
 
     /// Does `visitor`'s work in the family that the spacetime is of.
-    pub fn visit<V: SpacetimeVisitor>(self, visitor: V) -> V::Output {
+    pub fn visit<V: SpacetimeVisitor>(&self, visitor: V) -> V::Output {
         match self {
             Self::Flat => visitor.flat(),
-            Self::Spherical { center, metric } => metric.visit(center, visitor),
-            Self::Wormhole { mouths, metric } => metric.visit(mouths, visitor),
-            Self::Spinning { placement, hole } => visitor.spinning(placement, hole),
+            Self::Spherical { center, metric } => metric.visit(*center, visitor),
+            Self::Wormhole { mouths, metric } => metric.visit(*mouths, visitor),
+            Self::Spinning { placement, hole } => visitor.spinning(*placement, *hole),
+            Self::Indexed(IndexMedium::SeveralHoles(holes)) => visitor.indexed(holes),
+            Self::Indexed(IndexMedium::Lenses(lenses)) => visitor.indexed(lenses),
+        }
+    }
+}
+
+impl IndexMedium {
+    /// World position of the middle.
+    fn middle(&self) -> DVec3 {
+        match self {
+            Self::SeveralHoles(holes) => holes.middle(),
+            Self::Lenses(lenses) => lenses.middle(),
+        }
+    }
+
+    /// Places where rays end.
+    pub fn sinks(&self) -> &[Sink] {
+        match self {
+            Self::SeveralHoles(holes) => holes.sinks(),
+            Self::Lenses(lenses) => lenses.sinks(),
         }
     }
 }

@@ -24,30 +24,44 @@
 //!
 //! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene
 //! files, `--spacetime`, `info`, meshes, light sampling and all studies follow.
+//!
+//! # Adding one without symmetry
+//!
+//! A static index n(x) in three dimensions implements [`IndexField`], and gets a line in [`IndexMedium`].
 
 mod chart;
 mod conformally_flat;
 mod ellis;
+mod index_field;
 mod kerr;
 mod kerr_newman;
 mod kind;
+mod lenses;
 mod mouths;
 mod named;
 mod parameter;
 mod placement;
 mod reissner_nordstrom;
+mod rest_frame;
 mod schwarzschild;
+mod several_holes;
 mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
 pub use ellis::Ellis;
+pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint, dot};
 pub use kerr_newman::KerrNewman;
-pub use kind::{Entry, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole};
+pub use kind::{
+    Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole,
+};
+pub use lenses::{GradedLens, Lenses};
 pub use mouths::Mouths;
 pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
+pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
+pub use several_holes::{Hole, SeveralHoles};
 pub use side::{AtInfinity, Side};

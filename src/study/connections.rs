@@ -12,7 +12,7 @@ use crate::math::cross_exact;
 use crate::spacetime::{ConformallyFlat, Metric, Range, SpacetimeKind};
 
 /// Two points around a centre at the origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PointPair {
     /// Spacetime around the origin.
     pub spacetime: SpacetimeKind,
@@ -91,7 +91,7 @@ impl Joiner {
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can
     /// hold.
     pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
-        let PointPair { spacetime, x, y } = *pair;
+        let &PointPair { ref spacetime, x, y } = pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {
             if (least..=most).contains(&length) {

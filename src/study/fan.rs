@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
-use crate::plot::{Axis, Color, Diagram, Figure, Series, Style};
+use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::Baked;
 use crate::spacetime::{ConformallyFlat, Metric, Side};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
@@ -173,7 +173,7 @@ impl Fan {
     /// The picture.
     pub fn figure(&self, title: &str) -> Figure {
         let frame = self.frame();
-        let mut series = vec![Series {
+        let mut series = vec![DataSeries {
             name: if self.cuts.is_empty() { String::new() } else { "geometry".to_owned() },
             style: Style::line(Color::GREY, 3.0),
             curves: self.cuts.iter().filter_map(|cut| self.view.outline(cut, &frame)).collect(),
@@ -187,7 +187,7 @@ impl Fan {
             let curve = |polyline: &&Polyline| {
                 self.drawn(polyline, frame.reach()).iter().map(|&p| self.view.place(p)).collect()
             };
-            series.push(Series {
+            series.push(DataSeries {
                 name: format!("{} ({})", fate.name(), rays.len()),
                 style: Style::line(color(fate), 1.6),
                 curves: rays.iter().map(curve).collect(),
@@ -195,19 +195,19 @@ impl Fan {
         }
         if let Some((_, medium)) = self.hole {
             let circle = |radius: f64| vec![circle(DVec2::ZERO, radius, 0.0, PI)];
-            series.push(Series {
+            series.push(DataSeries {
                 name: "photon sphere".to_owned(),
                 style: Style::dashed(Color::BLACK, 1.6),
                 curves: circle(medium.photon_sphere()),
             });
-            series.push(Series {
+            series.push(DataSeries {
                 name: "horizon".to_owned(),
                 style: Style::area(Color::BLACK),
                 curves: circle(medium.horizon()),
             });
         }
         if let Some((_, radius)) = self.throat {
-            series.push(Series {
+            series.push(DataSeries {
                 name: "throat".to_owned(),
                 style: Style::area(Color::BLACK),
                 curves: vec![circle(DVec2::ZERO, radius, 0.0, PI)],

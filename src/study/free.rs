@@ -11,7 +11,8 @@ use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
-    ConformallyFlat, Fate, KerrNewman, Mouths, Parameter, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Parameter, Placement, Range, SpacetimeKind,
+    SpacetimeVisitor,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
 
@@ -130,7 +131,7 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 ///
 /// # Errors
 /// If there is no such ray, or the stepper is the paper's.
-pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
+pub fn trace(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Exit, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -138,7 +139,7 @@ pub fn trace(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Re
 ///
 /// # Errors
 /// As [`trace`].
-pub fn arrive(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
+pub fn arrive(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<Arrival, InputError> {
     answer(spacetime, ray, accuracy)
 }
 
@@ -172,7 +173,7 @@ impl Answer for Arrival {
     }
 }
 
-fn answer<A: Answer>(spacetime: SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
+fn answer<A: Answer>(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
     let lengths = Lengths::of(accuracy.precision);
     lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
     lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
@@ -206,6 +207,14 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
         Err(InputError {
             input: Input::Stepper,
             cause: "rays through a wormhole run in renders only".to_owned(),
+            remedy: "give another --spacetime".to_owned(),
+        })
+    }
+
+    fn indexed<F: IndexField>(self, _: &F) -> Self::Output {
+        Err(InputError {
+            input: Input::Stepper,
+            cause: "rays among several holes run in renders only".to_owned(),
             remedy: "give another --spacetime".to_owned(),
         })
     }
@@ -483,7 +492,7 @@ mod tests {
         FreeRay { start: start.into(), direction: direction.into(), r_out }
     }
 
-    fn exit(spacetime: SpacetimeKind, ray: FreeRay) -> Exit {
+    fn exit(spacetime: &SpacetimeKind, ray: FreeRay) -> Exit {
         trace(spacetime, &ray, &ACCURACY).unwrap()
     }
 
@@ -504,7 +513,7 @@ mod tests {
             ([0.5, 0.0, 0.0], [0.5, 1.0, 0.0], 0.4, FreeRayEnd::Captured),
         ];
         for (start, direction, r_out, status) in cases {
-            let found = exit(HOLE, ray(start, direction, r_out));
+            let found = exit(&HOLE, ray(start, direction, r_out));
             assert_eq!(found.status, status, "{start:?} {direction:?} {r_out}: {found:?}");
             assert_eq!(found.crossing.is_some(), status == FreeRayEnd::Escaped);
             let expected =
@@ -523,7 +532,7 @@ mod tests {
                 ([9.0, 0.0, 0.0], [1.0, 0.0, 0.0], 5.0),
             ] {
                 let (ray, accuracy) = (ray(start, direction, r_out), Accuracy { precision, ..ACCURACY });
-                for spacetime in [HOLE, SpacetimeKind::Flat] {
+                for spacetime in [&HOLE, &SpacetimeKind::Flat] {
                     let full = trace(spacetime, &ray, &accuracy).unwrap();
                     assert_eq!(arrive(spacetime, &ray, &accuracy).unwrap(), Arrival::straight(full));
                 }
@@ -537,7 +546,7 @@ mod tests {
             let start = DVec3::new(0.3, -1.7, 2.2);
             let ray = FreeRay { start, direction: DVec3::new(1.0, -3.0, 0.0), r_out: start.length() };
             let accuracy = Accuracy { precision, ..ACCURACY };
-            for spacetime in [HOLE, SpacetimeKind::Flat] {
+            for spacetime in [&HOLE, &SpacetimeKind::Flat] {
                 let end = trace(spacetime, &ray, &accuracy).unwrap().crossing.unwrap();
                 assert!(
                     end.position.distance(start) < 1e-6 && end.time < 1e-6 && end.swept < 1e-6,
@@ -559,7 +568,7 @@ mod tests {
             ray([3.0, 1.0, -12.0], [-0.3, 0.2, -1.3], 7.0),
         ];
         for ray in cases {
-            let (line, orbit) = (exit(SpacetimeKind::Flat, ray), exit(small, ray));
+            let (line, orbit) = (exit(&SpacetimeKind::Flat, ray), exit(&small, ray));
             assert_eq!(line.status, orbit.status);
             let close =
                 |a: f64, b: f64| assert!((a - b).abs() < 1e-11 * (1.0 + b.abs()), "{line:?} {orbit:?}");
@@ -579,8 +588,8 @@ mod tests {
         let center = DVec3::new(4.0, -8.0, 2.0);
         let ray = ray([3.0, 1.0, -2.0], [-3.0, 2.5, 0.0], 7.0);
         let there = SpacetimeKind::black_hole(center, 1.0);
-        let moved = exit(there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
-        let here = exit(HOLE, ray).crossing.unwrap();
+        let moved = exit(&there, FreeRay { start: ray.start + center, ..ray }).crossing.unwrap();
+        let here = exit(&HOLE, ray).crossing.unwrap();
         assert_eq!(moved, Crossing { position: here.position + center, ..here });
     }
 
@@ -589,7 +598,7 @@ mod tests {
         let ray = ray([6.0, 0.0, 0.0], [-1.0, 0.5, 0.0], 20.0);
         let end = |turn: f64| {
             let direction = DVec3::new(-1.0, 0.5, 0.0).rotate_z(turn);
-            exit(HOLE, FreeRay { direction, ..ray }).crossing.unwrap()
+            exit(&HOLE, FreeRay { direction, ..ray }).crossing.unwrap()
         };
         let (middle, before, after) = (end(0.0), end(-1e-6), end(1e-6));
         let turned = before.position.angle_between(after.position) / 2e-6;
@@ -612,12 +621,12 @@ mod tests {
             (FreeRay { r_out: f64::NAN, ..good }, Input::Sphere),
         ];
         for (ray, input) in cases {
-            assert_eq!(trace(HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
+            assert_eq!(trace(&HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
         }
         let anti = SpacetimeKind::black_hole(DVec3::ZERO, -1.0);
-        assert_eq!(trace(anti, &good, &ACCURACY).unwrap_err().input, Input::Parameter("rs"));
+        assert_eq!(trace(&anti, &good, &ACCURACY).unwrap_err().input, Input::Parameter("rs"));
         let paper = Accuracy { stepper: StepperKind::Rk4Paper, ..ACCURACY };
-        assert_eq!(trace(HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
+        assert_eq!(trace(&HOLE, &good, &paper).unwrap_err().input, Input::Stepper);
     }
 
     #[test]
@@ -630,7 +639,7 @@ mod tests {
                 {
                     for r_out in [1.0 / huge, 0.2, 1.0, huge] {
                         let ray = ray([start, 0.0, 0.0], direction, r_out);
-                        let end = trace(HOLE, &ray, &accuracy).unwrap();
+                        let end = trace(&HOLE, &ray, &accuracy).unwrap();
                         let finite =
                             end.crossing.is_none_or(|c| c.position.is_finite() && c.time.is_finite());
                         assert!(finite, "{ray:?} {precision:?}: {end:?}");

@@ -15,7 +15,7 @@ use super::report::{Report, style_of};
 use super::rounds::Study;
 use super::table::{Table, TableRow, scientific, with_error};
 use crate::film::Image;
-use crate::plot::{Diagram, Figure, Series};
+use crate::plot::{DataSeries, Diagram, Figure};
 use crate::scene::{Baked, LightSampling, flag_name};
 use crate::trace::{Progress, Run};
 
@@ -416,7 +416,7 @@ fn table(ways: &[Technique]) -> Table {
 fn figure(ways: &[Technique]) -> Figure {
     let diagram = |title: &str, label: &str, x: fn(&LightSamplingMeasurement) -> f64| {
         let point = |m: &LightSamplingMeasurement| m.rmse().map(|rmse| [x(m), rmse]);
-        let series = |way: &Technique| Series {
+        let series = |way: &Technique| DataSeries {
             name: flag_name(way.way),
             style: style_of(&way.way),
             curves: vec![way.measurements.iter().filter_map(point).collect()],

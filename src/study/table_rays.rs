@@ -21,7 +21,7 @@ use crate::scene::{Precision, StepperKind};
 use crate::spacetime::SpacetimeKind;
 
 /// A ray, and how it ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Spacetime that it runs in.
     pub spacetime: SpacetimeKind,
@@ -117,7 +117,7 @@ impl Exact {
     ///
     /// # Errors
     /// As [`free::trace`].
-    pub fn followed(spacetime: SpacetimeKind, ray: &FreeRay) -> Result<Self, InputError> {
+    pub fn followed(spacetime: &SpacetimeKind, ray: &FreeRay) -> Result<Self, InputError> {
         let exit = free::trace(spacetime, ray, &EXACT)?;
         let crossing = exit.crossing.map(|crossing| ExactCrossing {
             position: crossing.position,
@@ -205,7 +205,7 @@ impl<'a> TableRays<'a> {
 
     fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, TableRayError> {
         let arrive = |(index, case): (usize, &Case)| {
-            free::arrive(case.spacetime, &case.ray, accuracy).map_err(|fault| TableRayError { index, fault })
+            free::arrive(&case.spacetime, &case.ray, accuracy).map_err(|fault| TableRayError { index, fault })
         };
         self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
     }
@@ -216,7 +216,7 @@ impl<'a> TableRays<'a> {
         self.install(|| {
             (0..rays).into_par_iter().with_min_len(GRAIN).for_each(|index| {
                 let case = &self.cases[index % self.cases.len()];
-                let _ = black_box(free::arrive(case.spacetime, &case.ray, accuracy));
+                let _ = black_box(free::arrive(&case.spacetime, &case.ray, accuracy));
             });
         });
         started.elapsed().as_secs_f64()

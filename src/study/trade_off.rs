@@ -4,7 +4,7 @@ use super::pareto::front;
 use super::report::Report;
 use super::table::{Table, TableRow};
 use super::way::Way;
-use crate::plot::{Color, Diagram, Figure, Series, Style};
+use crate::plot::{Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::{Precision, flag_name};
 
 /// Width of the line behind curves, points.
@@ -53,15 +53,15 @@ pub(super) fn over_front(
 }
 
 /// A broad pale line through `points`, from left to right.
-pub(super) fn broad(name: &str, mut points: Vec<[f64; 2]>) -> Series {
+pub(super) fn broad(name: &str, mut points: Vec<[f64; 2]>) -> DataSeries {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    Series { name: name.to_owned(), style: Style::line(Color::PALE, BROAD), curves: vec![points] }
+    DataSeries { name: name.to_owned(), style: Style::line(Color::PALE, BROAD), curves: vec![points] }
 }
 
 /// A curve for each way but for tolerances through `points`; dashed ones are single precision.
-pub(super) fn through(points: &[(Way, [f64; 2])]) -> Vec<Series> {
+pub(super) fn through(points: &[(Way, [f64; 2])]) -> Vec<DataSeries> {
     let schedules = points.iter().any(|(way, _)| way.schedule != points[0].0.schedule);
-    let mut series: Vec<Series> = Vec::new();
+    let mut series: Vec<DataSeries> = Vec::new();
     // Both precisions of a stepper look alike but for the line.
     let (mut curves, mut pairs) = (Vec::new(), Vec::new());
     for &(way, place) in points {
@@ -73,7 +73,7 @@ pub(super) fn through(points: &[(Way, [f64; 2])]) -> Vec<Series> {
             let schedule =
                 curve.schedule.filter(|_| schedules).map(|schedule| format!(", {}", flag_name(schedule)));
             let single = if dashed { " f32" } else { "" };
-            series.push(Series {
+            series.push(DataSeries {
                 name: format!("{}{single}{}", flag_name(curve.stepper), schedule.unwrap_or_default()),
                 style: Style { dashed, ..Style::nth(pair) },
                 curves: vec![Vec::new()],

@@ -2,16 +2,21 @@
 
 use glam::DVec3;
 
+use super::arc_sweep::ArcSweep;
 use super::curved::march::{March, march, march_by};
 use super::curved::worlds::{OneWorld, TwoWorlds};
 use super::curved::{Curved, Lane};
+use super::field::FieldTransport;
 use super::paper::PaperMarch;
+use super::spinning::Spinning;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
 use crate::geodesic::{Control, Rkn6};
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
-use crate::spacetime::{Chart, ConformallyFlat, KerrNewman, Mouths, Placement, Side, SpacetimeVisitor};
+use crate::spacetime::{
+    Chart, ConformallyFlat, IndexField, KerrNewman, Mouths, Placement, Side, SpacetimeVisitor,
+};
 
 /// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
@@ -43,6 +48,11 @@ pub fn with_transport_to<E: TransportVisitor>(scene: &Baked, core: f64, sky: boo
     scene.spacetime.visit(Choice { scene, core, sky, visitor })
 }
 
+/// Positions of punctual lights: nothing tells a light ray that it has passed one that it was not followed to.
+fn positions(scene: &Baked) -> impl Iterator<Item = DVec3> {
+    scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position)
+}
+
 /// The choice that [`with_transport_to`] makes, a family of spacetimes each.
 struct Choice<'a, E> {
     scene: &'a Baked,
@@ -58,19 +68,26 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         self.visitor.run(Straight::new(self.scene.geometry.bounds()))
     }
 
-    fn spinning(self, _: Placement, _: KerrNewman) -> E::Output {
-        self.flat()
+    fn spinning(self, placement: Placement, hole: KerrNewman) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        let lights = positions(scene).map(|light| light.distance(placement.center));
+        let core = lights.fold(core, f64::min);
+        visitor.run(Spinning::new(scene, (placement, hole), core, sky))
+    }
+
+    fn indexed<F: IndexField>(self, field: &F) -> E::Output {
+        let Self { scene, core, sky, visitor } = self;
+        visitor.run(FieldTransport::new(scene, field, core, sky))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
-        // Nothing tells a light ray that it has passed a punctual light that it was not followed to.
-        let lights = scene.punctual.iter().filter(|light| light.emits()).filter_map(Punctual::position);
-        let nearest = lights.map(|light| light.distance(center)).fold(nearest.min(core), f64::min);
+        let lights = positions(scene).map(|light| light.distance(center));
+        let nearest = lights.fold(nearest.min(core), f64::min);
         let chart = Chart::new(&medium, nearest, farthest);
         let arc_tolerance = scene.arc_tolerance_around(center);
-        let worlds = OneWorld::new(center, Some(&scene.geometry), arc_tolerance);
+        let worlds = OneWorld { center, sweep: ArcSweep::new(scene, arc_tolerance) };
         let place = CenteredMedium { medium, worlds, sky, chart, arc_tolerance };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),
@@ -83,7 +100,10 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let arc_tolerance = scene.arc_tolerance();
         let reach = |side| scene.geometry.of(side)?.radii(mouths.center(side));
         let farthest = Side::BOTH.into_iter().filter_map(reach).fold(0.0, |most, (_, r)| r.max(most));
-        let world = |side| OneWorld::new(mouths.center(side), scene.geometry.of(side), arc_tolerance);
+        let world = |side| OneWorld {
+            center: mouths.center(side),
+            sweep: ArcSweep::among(scene.geometry.of(side), arc_tolerance),
+        };
         let (near, far) = (world(Side::Near), world(Side::Far));
         let worlds = TwoWorlds { near, far, mouths, throat: medium.throat() };
         let place =
@@ -108,7 +128,7 @@ struct CenteredMedium<M, W> {
 
 impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
     fn run<R: Lane, E: TransportVisitor>(self, scene: &Baked, visitor: E) -> E::Output {
-        let Self { medium, worlds: OneWorld { center, .. }, chart, .. } = self;
+        let (medium, center, chart) = (self.medium, self.worlds.center, self.chart);
         let control = self.control::<R>(scene);
         match march(medium, scene.settings.stepper, control, R::of(chart.outer)) {
             Some(march) => visitor.run(self.curved(scene, control, march)),

@@ -6,13 +6,18 @@
 //!
 #![doc = include_str!("wavefront.md")]
 
+mod arc_sweep;
 mod choice;
 pub mod curved;
 mod edge_pixels;
+mod field;
+mod flight_status;
 mod halt;
 mod illumination;
 mod job;
+mod land_on_arc;
 mod land_on_ray;
+mod launch_point;
 mod learn;
 mod paper;
 mod passes;
@@ -27,6 +32,7 @@ mod run;
 mod samples;
 mod session;
 mod shoot;
+mod spinning;
 mod split;
 pub(crate) mod stages;
 mod state;

@@ -7,6 +7,7 @@ mod geodesics {
     mod connections;
     mod conservation;
     mod extremes;
+    mod fields;
     mod geodesic_reference;
     mod gradient_index;
     mod schwarzschild_rays;
@@ -40,6 +41,7 @@ mod pictures {
     mod background;
     mod determinism;
     mod einstein_ring;
+    mod fields;
     mod flat_reference;
     mod golden;
     mod lensed_images;

@@ -33,4 +33,4 @@ pub use launch::{Constants, KerrLaunch};
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;
-pub use step::{SeriesControl, SeriesStep};
+pub use step::{SeriesControl, SeriesStep, dense_displacement};

@@ -29,7 +29,7 @@ pub struct Series<const P: usize> {
 #[inline(always)]
 fn product<const P: usize>(a: &[f64; P], b: &[f64; P], n: usize) -> f64 {
     let mut sum = a[0] * b[n];
-    for i in 1..=n {
+    for i in 1..n + 1 {
         sum += a[i] * b[n - i];
     }
     sum
@@ -103,7 +103,7 @@ impl<const P: usize> Coefficients<P> {
             self.per_denominator = 1.0 / self.denominator[0];
         }
         let mut rest = self.numerator[n];
-        for i in 1..=n {
+        for i in 1..n + 1 {
             rest -= self.denominator[i] * self.kept.winding[n - i];
         }
         self.kept.winding[n] = rest * self.per_denominator;

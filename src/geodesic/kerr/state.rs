@@ -40,9 +40,10 @@ impl MinoState {
         (g - 1.0) * n + (r * m - a * n.z * m.cross(n)) / (r * r + a * a * n.z * n.z)
     }
 
-    /// dX/dλ and d²X/dλ² in the chart, both times u²: the tangent, and the way it turns.
+    /// First and second derivatives of the position in the chart with respect to a parameter s with dλ = u² ds, in which
+    /// both stay finite far away; the second up to a multiple of the first, which does not bend the ray.
     #[inline(always)]
-    pub fn motion(&self, hole: &UnitHole, constants: &Constants) -> (DVec3, DVec3) {
+    pub fn motion(&self, hole: &UnitHole, constants: &Constants) -> [DVec3; 2] {
         let Self { u, v, n, m } = *self;
         let (a, Constants { l, k, j2, k2, kappa, .. }) = (hole.a, *constants);
         let (u2, a2) = (u * u, a * a);
@@ -68,7 +69,7 @@ impl MinoState {
         // r′ = −v/u², r″ = −u″/u² + 2v²/u³.
         let velocity = -v * n + u * tilt + (a * u2) * about_axis(tilt);
         let r_turn = 2.0 * v * v / u - pull;
-        let acceleration = r_turn * n - 2.0 * v * tilt + u * turn + (a * u2) * about_axis(turn);
-        (velocity, acceleration)
+        let turning = r_turn * n - 2.0 * v * tilt + u * turn + (a * u2) * about_axis(turn);
+        [velocity, u2 * turning]
     }
 }

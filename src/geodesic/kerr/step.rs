@@ -86,6 +86,42 @@ const SMALLEST: f64 = 1e-37;
 /// Longest step, a power of two.
 const MOST_OCTAVES: i32 = 100 * fast_log2::OCTAVE;
 
+/// Rotation about the axis.
+struct Wound {
+    sine: f64,
+    /// 1 − cos.
+    versine: f64,
+}
+
+impl Wound {
+    #[inline(always)]
+    fn by(angle: f64) -> Self {
+        let (s, c) = sin_cos_turns::small(0.5 * angle);
+        Self { sine: 2.0 * s * c, versine: 2.0 * s * s }
+    }
+
+    /// What it adds to a vector.
+    #[inline(always)]
+    fn change(&self, n: DVec3) -> DVec3 {
+        self.sine * about_axis(n) - self.versine * DVec3::new(n.x, n.y, 0.0)
+    }
+}
+
+/// Displacement in the chart to the inverse radius `u`, reached by `rise`, while N changes by `way`.
+#[inline(always)]
+fn displacement(hole: &UnitHole, start: &MinoState, (u, rise): (f64, f64), way: DVec3) -> DVec3 {
+    let per = 1.0 / (start.u * u);
+    (start.u * per) * way - (rise * per) * start.n + hole.a * about_axis(way)
+}
+
+/// Displacement in the chart after `h` along `series`, without its constraints restored.
+#[inline(always)]
+pub fn dense_displacement<const P: usize>(hole: &UnitHole, series: &Series<P>, h: f64) -> DVec3 {
+    let SeriesPoint { state, rise, way, winding } = series.at(hole, h);
+    let way = way + Wound::by(winding).change(state.n);
+    displacement(hole, &series.start, (state.u, rise), way)
+}
+
 impl SeriesStep {
     /// The step of length `h` along `series`; shorter steps are its dense output.
     #[inline(always)]
@@ -101,20 +137,14 @@ impl SeriesStep {
         let lengthen = 0.5 * (1.0 - n.length_squared());
         let (unit, way) = (n + lengthen * n, way + lengthen * n);
         let m = m - m.dot(unit) * unit;
-        // The winding turns both about the axis.
-        let (s, c) = sin_cos_turns::small(0.5 * winding);
-        let (versine, sine) = (2.0 * s * s, 2.0 * s * c);
-        let flat = |n: DVec3| DVec3::new(n.x, n.y, 0.0);
-        let turn = |n: DVec3| sine * about_axis(n) - versine * flat(n);
-        let (turned, way) = (unit + turn(unit), way + turn(unit));
-        let u0 = series.start.u;
-        let per = 1.0 / (u0 * u);
-        let displacement = (u0 * per) * way - (rise * per) * series.start.n + hole.a * about_axis(way);
+        let wound = Wound::by(winding);
+        let way = way + wound.change(unit);
+        let displacement = displacement(hole, &series.start, (u, rise), way);
         let scale = 1.0 + constants.k2.abs() * u * u;
         let start = &series.start;
         let speed = start.v.abs() + SHORT * constants.rate_slope(start.u).abs();
         Self {
-            end: MinoState { u, v, n: turned, m: m + turn(m) },
+            end: MinoState { u, v, n: unit + wound.change(unit), m: m + wound.change(m) },
             displacement,
             strain: excess.abs() / scale,
             slip: across_v.abs() / speed,

@@ -1,4 +1,4 @@
-//! Who races.
+//! Contenders of a race.
 
 use super::point::Point;
 use crate::scene::{Baked, Schedule, Settings, StepperKind, flag_name};
@@ -41,6 +41,6 @@ impl Contender {
         };
         let stepper = if self == Self::Paper { StepperKind::Rk4Paper } else { point.settings.stepper };
         scene.settings = Settings { schedule, stepper, ..point.settings.clone() };
-        scene.spacetime = if self == Self::Flat { SpacetimeKind::Flat } else { point.spacetime };
+        scene.spacetime = if self == Self::Flat { SpacetimeKind::Flat } else { point.spacetime.clone() };
     }
 }

@@ -3,7 +3,7 @@
 use super::cells::{over_first, seconds};
 use super::race::{Race, Runs};
 use super::vary::Vary;
-use crate::plot::{Diagram, Figure, Series};
+use crate::plot::{DataSeries, Diagram, Figure};
 use crate::study::report::style_of;
 use crate::study::table::{NONE, Table, TableRow, percent};
 
@@ -65,7 +65,7 @@ pub(super) fn figure(sweep: Vary, races: &[Race]) -> Figure {
             let point = |race: &Race| [race.point.value.unwrap_or(f64::NAN), y(&race.runs[index])];
             let contender = races[0].runs[index].contender;
             let curve = races.iter().map(point).collect();
-            Series { name: contender.name(), style: style_of(&contender), curves: vec![curve] }
+            DataSeries { name: contender.name(), style: style_of(&contender), curves: vec![curve] }
         };
         Diagram::log_log(title, [sweep.label(), label], DIAGRAM, (0..contenders).map(series).collect())
     };

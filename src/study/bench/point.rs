@@ -27,7 +27,7 @@ impl Point {
         Self {
             value: None,
             scene: 0,
-            spacetime: scene.spacetime,
+            spacetime: scene.spacetime.clone(),
             settings: scene.settings.clone(),
             threads: run.threads,
             batch: run.batch,
@@ -36,6 +36,6 @@ impl Point {
 
     /// True if both points have the same picture, threads and batches left aside.
     pub(super) fn has_picture_of(&self, other: &Self) -> bool {
-        (self.scene, self.spacetime, &self.settings) == (other.scene, other.spacetime, &other.settings)
+        (self.scene, &self.spacetime, &self.settings) == (other.scene, &other.spacetime, &other.settings)
     }
 }

@@ -14,7 +14,7 @@ use crate::trace::{Counters, Rendered, Run, Stats};
 /// All renders of a contender at a point.
 #[derive(Clone, Debug)]
 pub struct Runs {
-    /// Who.
+    /// Contender that was measured.
     pub contender: Contender,
     /// By round.
     pub rounds: Vec<Stats>,

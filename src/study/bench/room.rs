@@ -34,7 +34,7 @@ pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {
     let lamp = Sphere { center: center + LAMP.0 * radius * camera.up, radius: LAMP.1 * radius };
     let surface = |index| Surface { material: index, entity: index };
     let room = Baked {
-        spacetime: scene.spacetime,
+        spacetime: scene.spacetime.clone(),
         camera,
         geometry: Geometry::build(Primitives {
             spheres: vec![(lamp, surface(1))],

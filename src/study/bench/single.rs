@@ -3,7 +3,7 @@
 use super::cells::{over_first, seconds};
 use super::contender::Contender;
 use super::race::{Race, Runs};
-use crate::plot::{Axis, Color, Diagram, Figure, Series, Style};
+use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::study::report::style_of;
 use crate::study::table::{NONE, Table, TableRow, percent, with_error};
 use crate::trace::Stats;
@@ -137,7 +137,7 @@ pub(super) fn figure(race: &Race) -> Figure {
         });
         // The bars have the colours.
         let style = Style { color: Color::BLACK, ..style_of(&runs.contender) };
-        series.push(Series { name: runs.contender.name(), style, curves: vec![curve.collect()] });
+        series.push(DataSeries { name: runs.contender.name(), style, curves: vec![curve.collect()] });
     }
     let rounds = race.runs.first().map_or(0, |runs| runs.rounds.len());
     let heights = series.iter().flat_map(|series| series.curves.iter().flatten()).map(|[_, y]| *y);
@@ -158,12 +158,12 @@ fn microseconds(stats: &Stats, seconds: f64) -> f64 {
 }
 
 /// The stages of the wavefront, one upon the other, a bar per round.
-fn bars(runs: &Runs) -> Vec<Series> {
+fn bars(runs: &Runs) -> Vec<DataSeries> {
     let names = runs.rounds.first().map(parts).unwrap_or_default();
-    let mut series: Vec<Series> = names
+    let mut series: Vec<DataSeries> = names
         .into_iter()
         .zip(COLORS.into_iter().cycle())
-        .map(|((name, _), color)| Series {
+        .map(|((name, _), color)| DataSeries {
             name: name.to_owned(),
             style: Style::area(color),
             curves: Vec::new(),

@@ -1,11 +1,12 @@
 //! Committing a step that met nothing: from its end to the start of the next.
 
-use super::flight::{CurvedFlight, CurvedMove, FlightStatus, Lane};
+use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::rays::Curved;
 use super::worlds::Worlds;
 use crate::geodesic::Phase;
 use crate::math::kernel::Kernel;
 use crate::spacetime::{ConformallyFlat, Fate};
+use crate::trace::flight_status::FlightStatus;
 
 /// Most steps of one ray: two orders of magnitude above what rays with several windings take.
 const MAX_STEPS: u32 = 10_000;

@@ -1,10 +1,11 @@
 //! Crossing the throat of a wormhole: a step that passes it ends there, and the ray goes on in the chart of the other side.
 
-use super::flight::{CurvedFlight, CurvedMove, FlightStatus, Lane};
+use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::rays::Curved;
 use super::worlds::{Throat, Worlds};
 use crate::geometry::PrimitiveId;
 use crate::spacetime::{ConformallyFlat, Fate};
+use crate::trace::flight_status::FlightStatus;
 
 /// True if a ray's step passes the throat.
 #[inline(always)]

@@ -7,28 +7,13 @@ use crate::geometry::PrimitiveId;
 use crate::math::columns::{Field, LANES, columns, plain_field};
 use crate::math::real::Real;
 use crate::spacetime::Fate;
+use crate::trace::flight_status::FlightStatus;
 
 /// A number that columns can hold.
 pub trait Lane: Real + Field<Block<LANES>: Send> {}
 impl<R: Real + Field<Block<LANES>: Send>> Lane for R {}
 
-/// State of a ray after a step that met nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FlightStatus {
-    /// It flies on.
-    #[default]
-    Flies,
-    /// It leaves to infinity.
-    Leaves,
-    /// It falls through the horizon.
-    Falls,
-    /// It took more steps than allowed.
-    StepLimit,
-    /// Its state is no longer finite.
-    NonFinite,
-}
-
-plain_field!(Fate, FlightStatus);
+plain_field!(Fate);
 
 columns! {
     /// A curved ray.

@@ -1,27 +1,13 @@
 //! The start of a curved ray: the plane of its orbit, its constants, and a first step.
 
-use glam::DVec3;
-
-use super::flight::{CurvedFlight, FlightStatus, Lane};
+use super::flight::{CurvedFlight, Lane};
 use super::rays::Curved;
 use super::worlds::Worlds;
 use crate::geodesic::{Launch, Phase};
-use crate::geometry::PrimitiveId;
-use crate::math::columns::columns;
 use crate::math::kernel::Kernel;
 use crate::spacetime::ConformallyFlat;
-
-columns! {
-    /// Start of a ray.
-    pub struct LaunchPoint => LaunchPointBlock {
-        /// World position.
-        position: DVec3,
-        /// Unit direction in the static frame.
-        direction: DVec3,
-        /// The primitive it lies on.
-        origin_prim: PrimitiveId,
-    }
-}
+use crate::trace::flight_status::FlightStatus;
+use crate::trace::launch_point::LaunchPoint;
 
 /// Launches rays.
 pub struct Launching<'a, M, R, W> {

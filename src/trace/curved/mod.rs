@@ -3,7 +3,6 @@
 mod commit_step;
 mod cross_throat;
 mod flight;
-mod land_on_arc;
 mod launch;
 pub mod march;
 mod rays;
@@ -13,7 +12,10 @@ pub mod worlds;
 
 use glam::DVec3;
 
+use super::flight_status::FlightStatus;
+use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
+use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
@@ -22,10 +24,8 @@ use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 use commit_step::Committing;
-use flight::FlightStatus;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
-use land_on_arc::ArcLandings;
-use launch::{LaunchPoint, Launching};
+use launch::Launching;
 pub use rays::Curved;
 use span::Span;
 use worlds::Worlds;
@@ -69,7 +69,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
     ) -> Landing {
         match geometry {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
-            _ => self.land_on_arc(flight, step, found),
+            _ => land_on_arc(&self.arc(flight, step), found),
         }
     }
 }
@@ -84,9 +84,9 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for CurvedQueries<'_, M, 
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
-        let (segment, world) = (self.0.arc(flight, step), self.0.worlds.of(flight.origin_prim));
-        let whole = if world.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = self.0.is_searched(flight, step) & world.may_meet(&segment);
+        let (segment, sweep) = (self.0.arc(flight, step), &self.0.worlds.of(flight.origin_prim).sweep);
+        let whole = if sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
+        let may = self.0.is_searched(flight, step) & sweep.may_meet(&segment);
         let need = if may { whole } else { Need::Nothing };
         Query { segment, origin_prim: flight.origin_prim, need }
     }
@@ -114,8 +114,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         self.worlds.aim(self.medium, max_winding)
     }
 
-    fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> CurvedFlight<R> {
-        Launching::of(self).run(&LaunchPoint { position, direction, origin_prim }, &())
+    fn launch(&self, start: &Start) -> CurvedFlight<R> {
+        Launching::of(self).run(&(*start).into(), &())
     }
 
     fn launch_all(
@@ -126,10 +126,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
     ) {
         let Scratch { starts: places, launched, .. } = scratch;
         let lanes = starts.len();
-        places.gather(lanes, |i| {
-            let (_, Start { position, direction, origin_prim, carried: () }) = starts[i];
-            LaunchPoint { position, direction, origin_prim }
-        });
+        places.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
         map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {
@@ -168,7 +165,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         if !self.is_searched(flight, step) {
             return None;
         }
-        self.sweep(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
+        let sweep = &self.worlds.of(flight.origin_prim).sweep;
+        sweep.search(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
     }
 
     #[inline(always)]
@@ -206,9 +204,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
             let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
             hits.push((lane, found));
         }
-        self.land_all_on_arcs(flights, moves, on_arcs, |lane, landing| {
-            end(lane, Outcome::Landed(landing), ())
-        });
+        let arc = |lane| self.arc(&flights.get(lane), &moves.get(lane));
+        land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
         land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {
             end(lane, Outcome::Landed(landing), ());
         });

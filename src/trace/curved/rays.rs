@@ -4,7 +4,6 @@ use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::march::{March, keeps_outside};
 use super::worlds::Worlds;
 use crate::geodesic::{Arc, Control, Phase, PlaneArc};
-use crate::geometry::{Found, PrimitiveId};
 use crate::spacetime::{Chart, ConformallyFlat};
 
 /// Rays of a static, spherically symmetric spacetime, followed in numbers of type `R`, in one world or in two.
@@ -54,29 +53,6 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     pub fn is_searched(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> bool {
         let end = Phase { w: step.w, v: step.v, pull: step.pull };
         step.accepted & !keeps_outside(R::of(self.chart.outer), &flight.phase(), &end)
-    }
-
-    /// Searches an arc, in halves if it is thick or long beside the geometry.
-    pub fn sweep<F>(
-        &self,
-        arc: &Arc,
-        origin_prim: PrimitiveId,
-        halvings: u32,
-        search: &mut F,
-    ) -> Option<Found>
-    where
-        F: FnMut(&Arc, PrimitiveId) -> Option<Found>,
-    {
-        let world = self.worlds.of(origin_prim);
-        if !world.may_meet(arc) {
-            return None;
-        }
-        if world.is_split(arc, halvings) {
-            let (left, right) = arc.halves();
-            let first = self.sweep(&left, origin_prim, halvings + 1, search);
-            return first.or_else(|| self.sweep(&right, origin_prim.none_beside(), halvings + 1, search));
-        }
-        search(arc, origin_prim)
     }
 
     /// A length of at most `h` for the next step: far outside the geometry, rays go to its edge in one step, and on

@@ -23,7 +23,7 @@ pub struct Meeting {
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let mut meeting = Meeting {
         primitive: landing.primitive,
-        surface: scene.geometry.surface_point(landing.primitive, landing.position),
+        surface: surface_at(scene, landing.primitive, landing.position),
         crossing: InterfaceCrossing::none(media),
     };
     if is_glass(scene, &meeting.surface) {
@@ -42,6 +42,18 @@ impl Meeting {
     }
 }
 
+/// Surface of a primitive at a position, with normals in the frame at rest.
+#[inline(always)]
+fn surface_at(scene: &Baked, primitive: PrimitiveId, position: DVec3) -> SurfacePoint {
+    let surface = scene.geometry.surface_point(primitive, position);
+    let frame = scene.spacetime.rest_frame();
+    SurfacePoint {
+        normal: frame.normal(position, surface.normal),
+        shading_normal: frame.normal(position, surface.shading_normal),
+        ..surface
+    }
+}
+
 fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
@@ -52,7 +64,7 @@ fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeti
     let &Landing { position, direction, primitive } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
-    let others = || others.iter().map(|&other| (other, scene.geometry.surface_point(other, position)));
+    let others = || others.iter().map(|&other| (other, surface_at(scene, other, position)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
         (meeting.primitive, meeting.surface) = (solid, surface);
         return;

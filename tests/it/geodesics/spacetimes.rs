@@ -115,7 +115,7 @@ fn follow(row: &Row, stepper: StepperKind, tolerance: f64) -> Exit {
         direction: row.vector(["dx0", "dy0", "dz0"]),
         r_out: row.number("r_out"),
     };
-    trace(hole, &ray, &Accuracy { stepper, tolerance, precision: Precision::F64 }).unwrap()
+    trace(&hole, &ray, &Accuracy { stepper, tolerance, precision: Precision::F64 }).unwrap()
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn every_spacetime_connects_points_both_ways_alike() {
             let spacetime = SpacetimeKind::Spherical { center: DVec3::ZERO, metric };
             let accuracy =
                 Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-12, precision: Precision::F64 };
-            let crossing = trace(spacetime, &ray, &accuracy).unwrap().crossing.unwrap();
+            let crossing = trace(&spacetime, &ray, &accuracy).unwrap().crossing.unwrap();
             let off = crossing.position.distance(y) / y.length();
             assert!(
                 off < 1e-10 * crossing.sens,

@@ -1,0 +1,220 @@
+//! The part of rays around a spinning hole that depends on the length of the series: compiled once for each, behind one
+//! interface, so that everything else is compiled once.
+
+use glam::DVec3;
+
+use super::flight::{SpinningFlight, SpinningMove};
+use super::place::PlacedHole;
+use super::span::SpinningSpan;
+use crate::geodesic::kerr::{
+    MinoState, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
+};
+use crate::geodesic::{SpaceArc, fit_space_arc};
+use crate::math::columns::Row;
+use crate::math::fast_log2;
+use crate::math::kernel::{Kernel, NOTHING, map};
+use crate::spacetime::Chart;
+use crate::trace::land_on_ray::{PartialStep, Pose};
+
+/// Series of one length at work.
+pub trait SeriesMarch: Send + Sync {
+    /// The next move of a ray.
+    fn advance(&self, flight: &SpinningFlight) -> SpinningMove;
+
+    /// The next moves of blocks of rays.
+    fn advance_all(
+        &self,
+        flights: &[<SpinningFlight as Row>::Block],
+        moves: &mut [<SpinningMove as Row>::Block],
+    );
+
+    /// Pose after a part of a step.
+    fn pose(&self, span: &SpinningSpan, part: &PartialStep) -> Pose;
+
+    /// Poses after parts of blocks of steps.
+    fn pose_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    );
+}
+
+/// A march without the length of its series.
+pub struct Marching {
+    /// The hole.
+    pub place: PlacedHole,
+    /// Inverse radii beyond which there is nothing to meet.
+    pub chart: Chart,
+    /// Largest error of a ray's direction, radians.
+    pub tolerance: f64,
+    /// Largest distance between an arc and the curve, in units of the mass.
+    pub arc_tolerance: f64,
+}
+
+impl UsePowers for Marching {
+    type Output = Box<dyn SeriesMarch>;
+
+    fn with<const P: usize>(self) -> Box<dyn SeriesMarch> {
+        let control = SeriesControl::new(P, self.tolerance);
+        let negligible = NEGLIGIBLE * self.tolerance;
+        Box::new(Stepping::<P> { held: self, control, negligible2: negligible * negligible })
+    }
+}
+
+/// The march with series of the length that the tolerance calls for.
+pub fn march(marching: Marching) -> Box<dyn SeriesMarch> {
+    with_powers(marching.tolerance, marching)
+}
+
+struct Stepping<const P: usize> {
+    held: Marching,
+    control: SeriesControl,
+    /// Distance between an arc and the curve, relative to the chord, that is as good as none; squared.
+    negligible2: f64,
+}
+
+/// Part of the tolerance by which an arc may miss the curve and still stand for it.
+const NEGLIGIBLE: f64 = 0.1;
+/// Aims a little below the tolerance, so that most arcs are accepted.
+const SAFETY: f32 = 0.8;
+/// Bounds on how arcs may grow from one to the next, and on how a rejected one shrinks.
+const GROWTH: (f32, f32) = (0.8, 4.0);
+const SHRINKAGE: (f32, f32) = (0.2, 0.7);
+/// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
+const OUTSIDE: f64 = 0.5;
+/// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
+/// it in.
+const EDGE: f64 = 0.7;
+
+/// True if a step between two states stays at inverse radii below `outer`: it does not turn in between.
+#[inline(always)]
+pub fn keeps_outside(outer: f64, start: &MinoState, end: &MinoState) -> bool {
+    (start.u < outer) & (end.u < outer) & ((start.v > 0.0) == (end.v > 0.0))
+}
+
+impl Marching {
+    /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
+    /// not go far beyond.
+    #[inline(always)]
+    fn within(&self, h: f64, state: &MinoState) -> f64 {
+        let outer = self.chart.outer;
+        let edge = EDGE * outer;
+        let MinoState { u, v, .. } = *state;
+        let end = if u > outer { OUTSIDE * outer } else { OUTSIDE * u };
+        let bounded = if v < 0.0 { (end - u) / v } else { (edge - u) / v };
+        let is_bounded = (v < 0.0) | (u < OUTSIDE * edge);
+        if is_bounded & (bounded < h) { bounded } else { h }
+    }
+}
+
+impl<const P: usize> Kernel for Stepping<P> {
+    type A = SpinningFlight;
+    type B = ();
+    type Out = SpinningMove;
+
+    #[inline(always)]
+    fn run(&self, flight: &SpinningFlight, (): &()) -> SpinningMove {
+        let held = &self.held;
+        let (hole, state, constants) = (&held.place.hole, flight.state(), flight.constants());
+        let series = Series::<P>::new(hole, &constants, &state);
+        let h = held.within(self.control.length(hole, &series), &state);
+        let h = if flight.longest < h { flight.longest } else { h };
+        let step = SeriesStep::new(hole, &constants, &series, h);
+        // About halfway of the way, not of λ: on a straight radius u is linear.
+        let through = dense_displacement(hole, &series, h * (state.u / (state.u + step.end.u)));
+        let (start, end) = (state.motion(hole, &constants), step.end.motion(hole, &constants));
+        let SpaceArc { middle, weight, error } = fit_space_arc(step.displacement, through, start, end);
+        // What no search follows need not be followed closely.
+        let searched = !keeps_outside(held.chart.outer, &state, &step.end);
+        let error = if searched { error } else { 0.0 };
+        let holds = step.is_accepted(hole, &constants, &state);
+        let accepted = holds & (error <= held.arc_tolerance);
+        // Twisted curves part from their arcs with the third power of the length.
+        let ratio = (held.arc_tolerance / error) as f32;
+        let root = fast_log2::exp2(fast_log2::log2(ratio) / 3);
+        let (least, most) = if accepted { GROWTH } else { SHRINKAGE };
+        let factor = SAFETY * root;
+        let factor = if factor > least { factor } else { least };
+        let factor = if factor < most { factor } else { most };
+        let by_arc = if searched { f64::from(factor) * h } else { f64::INFINITY };
+        let chord2 = step.displacement.length_squared();
+        let scale = |vector: DVec3| held.place.outwards(vector * held.place.mass);
+        let MinoState { u, v, n, m } = step.end;
+        SpinningMove {
+            h,
+            u,
+            v,
+            n,
+            m,
+            end: scale(step.displacement),
+            middle: scale(middle),
+            weight,
+            longest: if holds { by_arc } else { 0.5 * h },
+            is_close: error * error <= self.negligible2 * chord2,
+            accepted,
+        }
+    }
+}
+
+/// Parts of steps.
+struct Posing<'a, const P: usize>(&'a Stepping<P>);
+
+impl<const P: usize> Kernel for Posing<'_, P> {
+    type A = SpinningSpan;
+    type B = PartialStep;
+    type Out = Pose;
+
+    #[inline(always)]
+    fn run(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
+        let place = &self.0.held.place;
+        let (hole, state, constants) = (&place.hole, span.state(), span.constants());
+        let series = Series::<P>::new(hole, &constants, &state);
+        let step = SeriesStep::new(hole, &constants, &series, part.s * span.h);
+        let [velocity, turning] = step.end.motion(hole, &constants);
+        let length = velocity.length();
+        let tangent = velocity * (1.0 / length);
+        let across = turning - turning.dot(tangent) * tangent;
+        let bending = across.length();
+        let u = step.end.u;
+        let per_mass = 1.0 / place.mass;
+        let unbent = bending > 0.0;
+        let bend = across * (1.0 / if unbent { bending } else { 1.0 });
+        Pose {
+            position: span.position + place.outwards(step.displacement * place.mass),
+            tangent: place.outwards(tangent),
+            bend: place.outwards(bend),
+            curvature: bending / (length * length) * per_mass,
+            inverse_scale: u * per_mass,
+            speed: span.h * length / (u * u) * place.mass,
+            s: part.s,
+        }
+    }
+}
+
+impl<const P: usize> SeriesMarch for Stepping<P> {
+    fn advance(&self, flight: &SpinningFlight) -> SpinningMove {
+        self.run(flight, &())
+    }
+
+    fn advance_all(
+        &self,
+        flights: &[<SpinningFlight as Row>::Block],
+        moves: &mut [<SpinningMove as Row>::Block],
+    ) {
+        map(self, flights, NOTHING, moves);
+    }
+
+    fn pose(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
+        Posing(self).run(span, part)
+    }
+
+    fn pose_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        map(&Posing(self), spans, parts, poses);
+    }
+}
