@@ -131,6 +131,31 @@ fn the_plane_of_the_side_tells_the_throat_from_what_is_around_it() {
     assert_eq!((at("side.ID", corner), at("R", corner)), (1.0, 1.0));
 }
 
+#[test]
+fn a_point_light_beyond_the_throat_lights_as_a_small_lamp_of_its_intensity_does() {
+    let (b0, place, radius) = (2.0f64, DVec3::new(1.0, 2.0, 6.0), 0.1);
+    let common = wormhole(DVec3::ZERO, b0, "far_center = [20, 0, 0]\nfar_rotate = [0, 130, 0]\n")
+        + &camera(DVec3::new(0.0, 1.0, 9.0), DVec3::new(0.0, -3.0, 0.0), 60.0)
+        + &film(16, 16)
+        + "[render]\nspp = 256\nmax_depth = 2\nmax_winding = 3\nsampler = \"independent\"\n"
+        + &material("white", 0.8, 0.0)
+        + &material("lamp", 0.0, 1000.0)
+        + &disk(DVec3::new(0.0, -3.0, 0.0), DVec3::Y, 0.0, 9.0, "white");
+    let position = DVec3::new(20.0, 0.0, 0.0) + place;
+    // Of the lamp's own frame, whose lengths are n times those of the chart.
+    let index = 1.0 + 0.25 * b0 * b0 / place.length_squared();
+    let intensity = 1000.0 * std::f64::consts::PI * (index * radius).powi(2);
+    let point = format!(
+        "[[entity]]\nlight = {{ kind = \"point\", position = {}, intensity = {intensity:?} }}\n",
+        vector(position)
+    );
+    let mean =
+        |light: &str| mean_red(&render(&scene_with(&(common.clone() + &far(light)), &[]), &Run::default()));
+    let (by_point, by_lamp) = (mean(&point), mean(&sphere(position, radius, "lamp")));
+    println!("{by_point} by a point, {by_lamp} by a lamp");
+    assert!(by_lamp > 0.0 && (by_point / by_lamp - 1.0).abs() < 0.03, "{by_point} and {by_lamp}");
+}
+
 /// What is wrong with a scene.
 fn error(text: &str) -> String {
     let folder = TempDir::new().unwrap();
