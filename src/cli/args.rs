@@ -334,12 +334,12 @@ pub(super) struct TraceArgs {
 }
 
 impl TraceArgs {
-    /// The preset, and the single flags over it.
-    pub(super) fn accuracy(&self) -> Accuracy {
+    /// The preset, a stepper that goes over it, and the single flags over both.
+    pub(super) fn accuracy(&self, stepper: Option<StepperKind>) -> Accuracy {
         let mut settings = Settings::default();
         self.quality.apply(&mut settings);
         Accuracy {
-            stepper: self.stepper.unwrap_or(settings.stepper),
+            stepper: self.stepper.or(stepper).unwrap_or(settings.stepper),
             tolerance: self.tolerance.unwrap_or(settings.tolerance),
             precision: self.precision,
         }

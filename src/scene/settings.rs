@@ -45,8 +45,16 @@ pub enum StepperKind {
     Rk4,
     /// Suzuki's symplectic composition of leapfrogs, order 4.
     Leapfrog4,
+    /// Taylor series in Mino time, of rays around spinning holes; elsewhere rkn6 stands for it.
+    Series,
     /// The paper's scheme: RK4 on its equations (7), (8) with the step rule of its Algorithm 2.
     Rk4Paper,
+}
+
+impl StepperKind {
+    /// Those that follow orbits of static, spherical spacetimes to a tolerance.
+    pub const OF_ORBITS: [Self; 7] =
+        [Self::Rkn6, Self::Dop853, Self::Dopri5, Self::Rkf45, Self::Rkn4, Self::Rk4, Self::Leapfrog4];
 }
 
 /// The numbers that orbits are followed in.

@@ -10,6 +10,8 @@ mod geodesics {
     mod fields;
     mod geodesic_reference;
     mod gradient_index;
+    mod kerr;
+    mod kerr_tolerance;
     mod schwarzschild_rays;
     mod spacetimes;
     mod steppers;
@@ -68,6 +70,7 @@ mod commands {
     mod reading;
     mod study;
     mod trace;
+    mod trace_spinning;
 }
 
 mod project {

@@ -20,17 +20,23 @@
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
 mod follow;
+mod hamiltonian;
 mod hole;
 mod launch;
+mod photon;
 mod powers;
 mod series;
 mod state;
 mod step;
+mod time;
 
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
+pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
 pub use launch::{Constants, KerrLaunch};
+pub use photon::KerrPhoton;
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;
 pub use step::{SeriesControl, SeriesStep, dense_displacement};
+pub use time::elapsed;

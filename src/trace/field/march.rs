@@ -71,6 +71,7 @@ pub fn march<F: IndexField>(
         | StepperKind::Rkn4
         | StepperKind::Rk4
         | StepperKind::Leapfrog4
+        | StepperKind::Series
         | StepperKind::Rk4Paper => Box::new(FieldStepping { field, stepper: Rkn6, control, traps }),
     }
 }

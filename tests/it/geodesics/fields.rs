@@ -10,7 +10,8 @@ use warpfront::scene::{Precision, StepperKind};
 use warpfront::spacetime::{
     Entry, FieldSurvey, GradedLens, Hole, IndexField, Lenses, SeveralHoles, Sink, Vectors, Viewpoint,
 };
-use warpfront::study::free::{Accuracy, FreeRay, trace};
+use warpfront::study::free::Accuracy;
+use warpfront::study::free::isotropic::{FreeRay, trace};
 use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, shoot};
 

@@ -12,7 +12,6 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use clap::ValueEnum;
 use glam::DVec3;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -68,8 +67,7 @@ pub fn table(name: &str) -> Vec<Row> {
 
 /// The names of all steppers that follow orbits to a tolerance.
 pub fn orbit_steppers() -> Vec<String> {
-    let all = StepperKind::value_variants().iter().copied();
-    all.filter(|&stepper| stepper != StepperKind::Rk4Paper).map(flag_name).collect()
+    StepperKind::OF_ORBITS.map(flag_name).to_vec()
 }
 
 /// The path of a file in `scenes/`.
