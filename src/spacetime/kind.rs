@@ -21,24 +21,24 @@ use super::side::Side;
 use crate::math::real::Real;
 
 macro_rules! media {
-    ($($(#[$doc:meta])* $Family:ident, $family:ident($place:ident: $Place:ty): $($name:ident),+;)+) => {
+    ($($(#[$doc:meta])* $Kinds:ident, $family:ident($place:ident: $Place:ty): $($name:ident),+;)+) => {
         $(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum $Family {
+        pub enum $Kinds {
             $(
                 /// The spacetime of this name.
                 $name($name),
             )+
         }
 
-        $(impl From<$name> for $Family {
+        $(impl From<$name> for $Kinds {
             fn from(metric: $name) -> Self {
                 Self::$name(metric)
             }
         })+
 
-        impl $Family {
+        impl $Kinds {
             fn entry(self) -> &'static Entry {
                 match self {
                     $(Self::$name(_) => const { &Entry::$family::<$name>() },)+
@@ -59,7 +59,7 @@ macro_rules! media {
         }
 
         /// Chosen at every call: for all but the march, which is compiled for each spacetime.
-        impl ConformallyFlat for $Family {
+        impl ConformallyFlat for $Kinds {
             fn index_squared<R: Real>(&self, w: R) -> R {
                 match self { $(Self::$name(metric) => metric.index_squared(w),)+ }
             }

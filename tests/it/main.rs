@@ -71,6 +71,7 @@ mod commands {
     mod study;
     mod trace;
     mod trace_spinning;
+    mod trace_wormhole;
 }
 
 mod project {
