@@ -12,7 +12,7 @@ use super::completion::Completion;
 use super::cost::{self, Limits};
 use super::failure::Failure;
 use super::memory;
-use super::say::{print, print_json, shown};
+use super::say::{note_stepper, print, print_json, shown};
 use super::stages::{self, Stage};
 use super::units::{plural, rounded};
 use crate::geometry::Counts;
@@ -37,6 +37,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Completion, Failure> {
     let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     args.settings.apply(&mut scene.settings);
+    note_stepper(&mut scene);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     let report = SceneReport::of(args.scene.path.display().to_string(), &scene, &run);
     if args.json {

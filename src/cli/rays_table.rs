@@ -6,13 +6,24 @@ use glam::DVec3;
 
 use super::failure::Failure;
 use super::table::TableHeader;
-use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
+use crate::spacetime::{Entry, LISTED, Listed, Parameter, SPACETIMES, SpacetimeKind};
 use crate::study::free::{Cells, TableForm};
 
 /// Reads `--spacetime`: a name from the table of all.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
-    let value = |entry: &&Entry| PossibleValue::new(entry.name).help(entry.summary);
-    let names = PossibleValuesParser::new(SPACETIMES.iter().map(value));
+    named(SPACETIMES.iter().copied())
+}
+
+/// Reads `--spacetime` of rays, of which the holes may be in the rows.
+pub(super) fn spacetime_of_rays() -> impl TypedValueParser<Value = &'static Entry> {
+    let in_rows = LISTED.iter().filter(|entry| entry.listed == Some(Listed::Holes));
+    named(SPACETIMES.iter().chain(in_rows).copied())
+}
+
+/// Reads the name of one of these spacetimes.
+fn named(entries: impl Iterator<Item = &'static Entry>) -> impl TypedValueParser<Value = &'static Entry> {
+    let value = |entry: &'static Entry| PossibleValue::new(entry.name).help(entry.summary);
+    let names = PossibleValuesParser::new(entries.map(value));
     names.try_map(|name| Entry::named(&name).ok_or("not a spacetime"))
 }
 

@@ -40,13 +40,7 @@ fn advance(scene: &Baked) -> Stage {
         return stage("advance", false, "flat: straight rays, one query per ray; no marching");
     }
     let settings = &scene.settings;
-    let stepper = match (&scene.spacetime, settings.stepper) {
-        (SpacetimeKind::Indexed(_), StepperKind::Dop853) => StepperKind::Dop853,
-        // In three dimensions it stands for all others.
-        (SpacetimeKind::Indexed(_), _) => StepperKind::Rkn6,
-        (_, stepper) => stepper,
-    };
-    let stepper = flag_name(stepper);
+    let stepper = flag_name(settings.stepper.around(&scene.spacetime));
     stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
 }
 
@@ -61,7 +55,7 @@ fn intersect(scene: &Baked) -> Stage {
             format!("lines against {}", plural(primitives, "primitive", "primitives")),
         ),
         (_, false) => {
-            let searched = match scene.settings.stepper {
+            let searched = match scene.settings.stepper.around(&scene.spacetime) {
                 StepperKind::Rk4Paper => "lines",
                 _ => "arcs",
             };

@@ -11,6 +11,7 @@ use super::baked::{Baked, FarLights};
 use super::camera::Camera;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
+use super::ergosphere;
 use super::error::Fault;
 use super::hole::place_hole;
 use super::settings::MAX_SIDE;
@@ -43,6 +44,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     check_extent(&world, &boxes, &shaped)?;
     check_extent(&world, &far_boxes, &shaped)?;
     place_hole(&mut world)?;
+    ergosphere::check(&world, &near, &shaped)?;
     let camera = choose_camera(&mut world, wanted_camera, [&boxes, &far_boxes])?;
     check_outside_horizon(&world, &camera)?;
     let punctual = lights(&mut world)?;

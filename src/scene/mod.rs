@@ -12,6 +12,7 @@ mod bare_model;
 mod camera;
 mod check;
 pub(crate) mod components;
+mod ergosphere;
 mod error;
 mod file;
 mod foreign;

@@ -174,8 +174,8 @@ impl World {
         if let Some(light) = light {
             let _ = self.entities.insert_one(entity, light);
         }
-        if let Some(radius) = node.hole {
-            let _ = self.entities.insert_one(entity, HoleMark(radius));
+        if let Some(hole) = node.hole {
+            let _ = self.entities.insert_one(entity, HoleMark(hole));
         }
         entity
     }

@@ -303,6 +303,14 @@ impl SpacetimeKind {
         Self::Spherical { center, metric: Metric::Schwarzschild(Schwarzschild::new(schwarzschild_radius)) }
     }
 
+    /// A hole of this Schwarzschild radius and spin a/M: Schwarzschild's without spin, flat space if the radius is 0.
+    pub fn spinning(placement: Placement, schwarzschild_radius: f64, spin: f64) -> Self {
+        if spin == 0.0 {
+            return Self::black_hole(placement.center, schwarzschild_radius);
+        }
+        KERR.with(placement, &[schwarzschild_radius, spin])
+    }
+
     /// Entry in the table of all.
     pub fn entry(&self) -> &'static Entry {
         match self {

@@ -50,7 +50,8 @@ mod side;
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
 pub use ellis::Ellis;
-pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint, dot};
+pub(crate) use index_field::dot;
+pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint};
 pub use kerr_newman::KerrNewman;
 pub use kind::{
     Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole,

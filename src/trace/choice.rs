@@ -138,7 +138,7 @@ impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
 }
 
 impl<M: ConformallyFlat> CenteredMedium<M, TwoWorlds> {
-    /// Rays through a throat; the paper's scheme, which knows none, gives way to the default, as `bake` says.
+    /// Rays through a throat; the paper's scheme, which knows none, gives way to rkn6.
     fn through<R: Lane>(self, scene: &Baked) -> Curved<M, R, TwoWorlds> {
         let (control, outer) = (self.control::<R>(scene), R::of(self.chart.outer));
         let march = march(self.medium, scene.settings.stepper, control, outer)

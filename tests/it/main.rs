@@ -11,6 +11,7 @@ mod geodesics {
     mod geodesic_reference;
     mod gradient_index;
     mod kerr;
+    mod kerr_scenes;
     mod kerr_tolerance;
     mod schwarzschild_rays;
     mod spacetimes;
@@ -49,6 +50,7 @@ mod pictures {
     mod lensed_images;
     mod machines;
     mod spacetimes;
+    mod spinning;
     mod wormholes;
 }
 

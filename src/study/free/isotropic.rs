@@ -225,11 +225,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
     }
 
     fn indexed<F: IndexField>(self, _: &F) -> Self::Output {
-        Err(InputError {
-            input: Input::Spacetime,
-            cause: "rays among several holes run in renders only".to_owned(),
-            remedy: "give another --spacetime".to_owned(),
-        })
+        Err(other_chart("isotropic"))
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {

@@ -8,6 +8,8 @@ mod accuracy;
 mod free_ray_end;
 pub mod isotropic;
 mod lengths;
+mod sensitivity;
+mod several_holes;
 mod spinning;
 mod table_form;
 mod through_throat;

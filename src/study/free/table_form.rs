@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
-use super::{Accuracy, FreeRayEnd, isotropic, spinning, through_throat};
+use super::{Accuracy, FreeRayEnd, isotropic, several_holes, spinning, through_throat};
 use crate::scene::{StepperKind, flag_name};
 use crate::spacetime::{
-    ConformallyFlat, Entry, IndexField, KerrNewman, Mouths, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Mouths, Placement, Range, SpacetimeKind,
+    SpacetimeVisitor,
 };
 
 /// Form of the tables of rays of a family of spacetimes.
@@ -85,6 +86,10 @@ impl Cells {
 impl TableForm {
     /// Form of the tables of a spacetime's rays.
     pub fn of(entry: &Entry) -> &'static Self {
+        match entry.listed {
+            Some(Listed::Holes) => return &several_holes::FORM,
+            Some(Listed::Lenses) | None => {}
+        }
         // The parameters do not change the family, but for a length of 0.
         let values = entry.parameters.iter().map(|parameter| match parameter.range {
             Range::Length => 1.0,
@@ -141,7 +146,7 @@ impl SpacetimeVisitor for FormVisitor {
     }
 
     fn indexed<F: IndexField>(self, _: &F) -> &'static TableForm {
-        &isotropic::FORM
+        &several_holes::FORM
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> &'static TableForm {

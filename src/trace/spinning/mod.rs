@@ -116,10 +116,14 @@ impl Spinning {
         }
     }
 
-    /// Landing as the frame at rest has it, from one in the chart.
-    #[inline(always)]
-    fn at_rest(&self, landing: Landing) -> Landing {
-        Landing { direction: self.frame.direction(landing.position, landing.direction), ..landing }
+    /// Landing as the frame at rest has it, from one in the chart. What reaches into the ergosphere in spite of the
+    /// scene's checks takes the ray with it.
+    fn landed(&self, landing: Landing) -> Outcome<SpinningFlight> {
+        let direction = self.frame.direction(landing.position, landing.direction);
+        if !direction.is_finite() {
+            return Outcome::Captured;
+        }
+        Outcome::Landed(Landing { direction, ..landing })
     }
 }
 
@@ -231,7 +235,7 @@ impl Transport for Spinning {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
             _ => land_on_arc(&self.arc(flight, step), found),
         };
-        (Outcome::Landed(self.at_rest(landing)), ())
+        (self.landed(landing), ())
     }
 
     fn settle_all(
@@ -251,7 +255,7 @@ impl Transport for Spinning {
             let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
             hits.push((lane, found));
         }
-        let mut land = |lane, landing| end(lane, Outcome::Landed(self.at_rest(landing)), ());
+        let mut land = |lane, landing| end(lane, self.landed(landing), ());
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
         land_all_on_rays(self, geometry, (flights, moves), on_rays, &mut land);
         // Those that landed go on as well, to nowhere.

@@ -8,7 +8,7 @@ use warpfront::geodesic::kerr::{
     Constants, KerrEnd, KerrLaunch, KerrPhoton, MinoState, PhotonEnd, Series, SeriesControl, SeriesStep,
     UnitHole, elapsed, follow, follow_photon,
 };
-use warpfront::spacetime::Fate;
+use warpfront::spacetime::{Fate, KerrNewman, Placement, SpacetimeKind};
 
 /// A ray of a table.
 struct Case {
@@ -434,6 +434,56 @@ fn momentum_and_velocity_in_the_chart_are_those_of_the_state() {
             assert!(velocity.distance(exact) < 1e-11 * size, "a = {a}: {velocity} for {exact}");
         }
     }
+}
+
+#[test]
+fn directions_at_rest_and_their_rays_are_those_of_the_table() {
+    let (mut local, mut arrived) = (0, 0);
+    for row in table("kerr_frames.csv") {
+        let name = format!("row {} ({})", row.text("id"), row.text("kind"));
+        let a = row.number("a");
+        let hole = UnitHole::new(a, 0.0);
+        // Traced into the past, the hole of a scene spins the other way.
+        let scene_hole = KerrNewman::new(2.0, -a, 0.0);
+        let placement = Placement { axis: DVec3::new(0.6, 0.0, 0.8), ..Placement::default() };
+        let to_world = placement.rotation().transpose();
+        let frame = SpacetimeKind::Spinning { placement, hole: scene_hole }.rest_frame();
+        let at_rest = |x: DVec3, launch: &KerrLaunch| {
+            let [velocity, _] = launch.state.motion(&hole, &launch.constants);
+            placement.rotation() * frame.direction(to_world * x, to_world * velocity)
+        };
+        let (x, energy) = (row.vector(["x0", "y0", "z0"]), -row.number("pt0"));
+        let p = row.vector(["px0", "py0", "pz0"]);
+        if row.text("frame0") == "static" {
+            let d = row.vector(["dx0", "dy0", "dz0"]).normalize();
+            let launch = KerrLaunch::at_rest(&hole, x, d);
+            let found = launch.state.photon(&hole, &launch.constants);
+            assert!((found.p - p / energy).length() < 1e-13 * found.p.length(), "{name}: {}", found.p);
+            let seen = at_rest(x, &launch);
+            assert!(seen.distance(d) < 1e-13 * found.p.length(), "{name}: {seen} for {d}");
+            local += 1;
+        }
+        if row.text("kind") != "pair" {
+            continue;
+        }
+        let photon = KerrPhoton::new(&hole, x, p).expect("energy 1");
+        let (end, _) = by_series(&hole, &photon, 1e-10, row.number("r_out"));
+        let PhotonEnd::Crosses(end) = end else {
+            assert!(end == PhotonEnd::Falls && row.text("status") == "captured", "{name}: {end:?}");
+            continue;
+        };
+        let allowed = 1.1e-10 * row.number("sens");
+        let off = end.x.distance(row.vector(["x1", "y1", "z1"])) / row.number("r_out");
+        let off = off.max((end.p - row.vector(["px1", "py1", "pz1"]) / energy).length());
+        assert!(off < allowed, "{name}: {off:e}, allowed {allowed:e}");
+        if row.text("frame1") == "static" {
+            let seen = at_rest(end.x, &KerrLaunch::with_momentum(&hole, end.x, end.p));
+            let off = seen.distance(row.vector(["dx1", "dy1", "dz1"]));
+            assert!(off < 4.0 * allowed, "{name}: {off:e}, allowed {allowed:e}");
+            arrived += 1;
+        }
+    }
+    assert!(local > 20 && arrived > 10, "{local} {arrived}");
 }
 
 #[test]
