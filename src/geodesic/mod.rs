@@ -31,7 +31,7 @@ pub use field::{
     FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, follow_field,
 };
 pub(crate) use field::{at_infinity, lane, set_lane};
-pub use follow::{Journey, OrbitEnd, follow};
+pub use follow::{Journey, OrbitEnd, follow, until};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};

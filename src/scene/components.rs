@@ -64,6 +64,10 @@ pub struct CameraLens {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoleMark(pub ModelHole);
 
+/// The far side of a wormhole as the place of the entity and of those placed in its space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OnFarSide;
+
 /// Byte range of the scene file in which the entity is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AuthoredAt(pub Range<usize>);

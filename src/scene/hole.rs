@@ -44,7 +44,7 @@ pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
     }
     // An up axis that a scale of 0 has lost is the world's.
     let axis = y.try_normalize().unwrap_or(DVec3::Y);
-    world.spacetime = SpacetimeKind::spinning(Placement { center, axis }, radius, spin);
+    world.spacetime = SpacetimeKind::spinning(Placement { axis, ..center.into() }, radius, spin);
     if world.spacetime.is_flat() {
         world.warnings.push(format!("`{name}` places no hole, since its radius is 0"));
     } else {

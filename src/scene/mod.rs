@@ -29,7 +29,7 @@ mod systems;
 mod text;
 mod world;
 
-pub use baked::Baked;
+pub use baked::{Baked, FarLights};
 pub use camera::Camera;
 pub use error::{Diagnostic, SceneError};
 pub use load::{LoadOptions, load, load_with};

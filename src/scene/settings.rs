@@ -59,7 +59,12 @@ impl StepperKind {
             (SpacetimeKind::Spinning { .. }, _) => Self::Series,
             (SpacetimeKind::Indexed(_), Self::Dop853) => Self::Dop853,
             (SpacetimeKind::Indexed(_), _) => Self::Rkn6,
-            (SpacetimeKind::Flat | SpacetimeKind::Spherical { .. }, Self::Series) => Self::Rkn6,
+            (SpacetimeKind::Wormhole { .. }, Self::Rk4Paper) => Self::Rkn6,
+            (
+                SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. },
+                Self::Series,
+            ) => Self::Rkn6,
+            (SpacetimeKind::Wormhole { .. }, stepper) => stepper,
             (SpacetimeKind::Flat | SpacetimeKind::Spherical { .. }, stepper) => stepper,
         }
     }

@@ -45,7 +45,7 @@ impl SceneFolder {
             },
         )
         .unwrap();
-        let (primitives, shaped) = bake::flatten(&mut world).unwrap();
+        let ([primitives, _], shaped) = bake::flatten(&mut world).unwrap();
         let names = shaped.iter().map(|entity| world.name(*entity)).collect();
         (primitives, names)
     }
@@ -375,7 +375,7 @@ fn an_empty_called_black_hole_places_a_hole_by_its_scale_and_its_property() {
     let with_extra = serde_json::json!({ "schwarzschild_radius": 0.5 });
     assert_eq!(hole("blackhole.001", 0.25, with_extra, &plain).spacetime, at(0.125));
     let spins = hole("BlackHole", 0.5, serde_json::json!({ "spin": 0.9 }), &plain);
-    let turned = Placement { center: DVec3::new(1.0, 2.0, -3.0), axis: DVec3::Y };
+    let turned = Placement::from(DVec3::new(1.0, 2.0, -3.0));
     assert_eq!(spins.spacetime, SpacetimeKind::spinning(turned, 0.5, 0.9));
     assert!(spins.notes.iter().any(|note| note.contains("radius 0.5 and spin 0.9 at")), "{:?}", spins.notes);
     let given = LoadOptions { black_hole: Some([0.0, 0.0, 0.0, 1.0, 0.0]), ..LoadOptions::default() };

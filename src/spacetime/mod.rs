@@ -31,11 +31,13 @@
 
 mod chart;
 mod conformally_flat;
+mod ellis;
 mod index_field;
 mod kerr;
 mod kerr_newman;
 mod kind;
 mod lenses;
+mod mouths;
 mod named;
 mod parameter;
 mod placement;
@@ -43,14 +45,19 @@ mod reissner_nordstrom;
 mod rest_frame;
 mod schwarzschild;
 mod several_holes;
+mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
+pub use ellis::Ellis;
 pub(crate) use index_field::dot;
 pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint};
 pub use kerr_newman::KerrNewman;
-pub use kind::{Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use kind::{
+    Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole,
+};
 pub use lenses::{GradedLens, Lenses};
+pub use mouths::Mouths;
 pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
@@ -58,3 +65,4 @@ pub use reissner_nordstrom::ReissnerNordstrom;
 pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
+pub use side::{AtInfinity, Side};

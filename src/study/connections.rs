@@ -120,6 +120,12 @@ impl Joiner {
             }
         }
         let Some((metric, unit)) = spacetime.in_units() else {
+            if !spacetime.is_flat() {
+                let cause =
+                    format!("rays between points in a {} are not looked for", spacetime.entry().title);
+                let remedy = "give another --spacetime".to_owned();
+                return Err(InputError { input: Input::Both, cause, remedy });
+            }
             return Ok(Joints { found: vec![straight(x, y, spin)], hidden: 0 });
         };
         let Some(lens) = self.lens(metric) else {

@@ -137,7 +137,7 @@ impl Study for TableRays<'_> {
         let accuracy = self.settings[setting];
         let arrivals = self.arrivals(&accuracy)?;
         let steps: f64 = arrivals.iter().map(|arrival| f64::from(arrival.steps)).sum();
-        let errors = TableRayErrors::of(self.cases, &arrivals, accuracy.tolerance);
+        let errors = TableRayErrors::of(self.form, self.cases, &arrivals, accuracy.tolerance);
         self.found.push((errors, steps / self.cases.len() as f64));
         Ok(())
     }
@@ -209,18 +209,19 @@ impl<'a> TableRays<'a> {
 }
 
 impl TableRayErrors {
-    fn of(cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
+    fn of(form: &TableForm, cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
         let (mut direction, mut direction_over_sens) = (Vec::new(), Vec::new());
         let (mut position, mut position_over_sens) = (Vec::new(), Vec::new());
         let mut differ = 0;
         let (mut above, mut worst) = (0, 0.0_f64);
-        for (Case { ray, exact, .. }, arrival) in cases.iter().zip(arrivals) {
+        for (Case { spacetime, ray, exact }, arrival) in cases.iter().zip(arrivals) {
             if arrival.status != exact.status {
                 differ += 1;
                 continue;
             }
             let (Some((x, d)), Some(exact)) = (arrival.crossing, exact.crossing) else { continue };
-            let (turned, off) = (angle(d, exact.direction), x.distance(exact.position) / ray.radius());
+            let (turned, off) =
+                (angle(d, exact.direction), x.distance(exact.position) / (form.radius)(spacetime, ray));
             direction.push(turned);
             direction_over_sens.push(turned / exact.sens);
             position.push(off);
@@ -340,12 +341,13 @@ mod tests {
             arrival(FreeRayEnd::Captured, 0.0),
             arrival(FreeRayEnd::Escaped, 0.0),
         ];
-        let errors = TableRayErrors::of(&cases, &arrivals, 5e-3);
+        let form = TableForm::of(SpacetimeKind::Flat.entry());
+        let errors = TableRayErrors::of(form, &cases, &arrivals, 5e-3);
         assert_eq!((errors.rays, errors.compared, errors.differ), (4, 3, 0.25));
         assert_eq!(errors.direction.unwrap().max, 0.0);
         assert_eq!(errors.position.unwrap().max, 0.01);
         assert_eq!(errors.position_over_sens.unwrap().median, 0.001);
         assert_eq!(errors.honesty, Some(Honesty { above: 1.0 / 3.0, worst: 2.0 }));
-        assert_eq!(TableRayErrors::of(&cases[2..3], &arrivals[2..3], 1.0).honesty, None);
+        assert_eq!(TableRayErrors::of(form, &cases[2..3], &arrivals[2..3], 1.0).honesty, None);
     }
 }

@@ -17,6 +17,7 @@ mod geodesics {
     mod spacetimes;
     mod steppers;
     mod tolerance;
+    mod wormhole_rays;
 }
 
 mod geometry {
@@ -50,6 +51,7 @@ mod pictures {
     mod machines;
     mod spacetimes;
     mod spinning;
+    mod wormholes;
 }
 
 mod files {
@@ -71,6 +73,7 @@ mod commands {
     mod study;
     mod trace;
     mod trace_spinning;
+    mod trace_wormhole;
 }
 
 mod project {

@@ -16,7 +16,7 @@ use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
-    ConformallyFlat, Fate, IndexField, KerrNewman, Placement, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Placement, SpacetimeKind, SpacetimeVisitor,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
 
@@ -36,6 +36,7 @@ pub(super) static FORM: TableForm = TableForm {
     crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
     steppers: &StepperKind::OF_ORBITS,
     stepper: None,
+    radius: |_, cells| cells.last(),
     trace: |spacetime, cells, accuracy| Ok(trace(spacetime, &FreeRay::of(cells), accuracy)?.traced()),
     arrive: |spacetime, cells, accuracy| arrive(spacetime, &FreeRay::of(cells), accuracy),
 };
@@ -64,6 +65,9 @@ pub struct Exit {
     pub eps: Option<f64>,
     /// Isotropic radius of the point nearest to the centre, if the ray passed one.
     pub r_min: Option<f64>,
+    /// True if the ray passed a throat. Its crossing is then as if the other side were glued on without inversion: it is
+    /// to be turned by half a turn about the centre.
+    pub passes: bool,
     /// Steps tried.
     pub steps: u32,
 }
@@ -147,7 +151,7 @@ pub fn arrive(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> 
 }
 
 /// Answer about a ray: its exit, or only its arrival.
-trait Answer: Sized {
+pub(super) trait Answer: Sized {
     /// In flat space.
     fn straight(exit: Exit) -> Self;
 
@@ -169,6 +173,17 @@ impl Answer for Arrival {
     fn straight(exit: Exit) -> Self {
         let crossing = exit.crossing.map(|crossing| (crossing.position, crossing.direction));
         Self { status: exit.status, crossing, steps: exit.steps }
+    }
+
+    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+        orbit.arrival::<R>(stepper, tolerance).0
+    }
+}
+
+/// An arrival, and true if the ray passed a throat, as [`Exit::passes`].
+impl Answer for (Arrival, bool) {
+    fn straight(exit: Exit) -> Self {
+        (Answer::straight(exit), false)
     }
 
     fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
@@ -205,6 +220,10 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
         curved(&medium, self.x, center, self.ray, self.accuracy)
     }
 
+    fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> Self::Output {
+        Err(other_chart("one side's isotropic"))
+    }
+
     fn indexed<F: IndexField>(self, _: &F) -> Self::Output {
         Err(other_chart("isotropic"))
     }
@@ -215,7 +234,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
 }
 
 /// Follows a ray around `medium`, from `x` relative to its centre.
-fn curved<M: ConformallyFlat, A: Answer>(
+pub(super) fn curved<M: ConformallyFlat, A: Answer>(
     medium: &M,
     x: DVec3,
     center: DVec3,
@@ -256,7 +275,7 @@ impl<M: ConformallyFlat, A: Answer> UseStepper for Asked<'_, M, A> {
 }
 
 /// A ray about to be followed.
-struct Orbit<'a, M> {
+pub(super) struct Orbit<'a, M> {
     medium: &'a M,
     center: DVec3,
     /// Start, relative to the centre.
@@ -291,7 +310,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         }
     }
 
-    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Arrival {
+    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> (Arrival, bool) {
         let Self { medium, launch, .. } = self;
         let start = Phase::new(*medium, R::of(launch.w), R::of(launch.v));
         let control = Control::new(*medium, tolerance, f64::INFINITY);
@@ -302,7 +321,8 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
             _ => None,
         };
-        Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
+        let status = self.status(&journey.end);
+        (Arrival { status, crossing, steps: journey.steps }, journey.passes)
     }
 
     /// Position, in the chart, and direction at the inverse radius `w`.
@@ -333,6 +353,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             b: launch.b,
             eps: (critical > 0.0).then(|| (launch.b - critical) / critical),
             r_min: journey.periastron.map(|w| 1.0 / w.value()),
+            passes: journey.passes,
             steps: journey.steps,
         }
     }
@@ -380,7 +401,7 @@ fn drift_l(before: f64, after: f64) -> Option<f64> {
 }
 
 /// Follows a ray in flat space from `x`, its sphere about the origin, in closed form.
-fn straight(x: DVec3, ray: &FreeRay) -> Exit {
+pub(super) fn straight(x: DVec3, ray: &FreeRay) -> Exit {
     let (rho, r_out) = (x.length(), ray.r_out);
     let direction = ray.direction.normalize();
     let b = spin(x, ray.direction);
@@ -402,7 +423,7 @@ fn straight(x: DVec3, ray: &FreeRay) -> Exit {
         }
     });
     let status = if crosses { FreeRayEnd::Escaped } else { FreeRayEnd::Missed };
-    Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 }
+    Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), passes: false, steps: 0 }
 }
 
 #[cfg(test)]

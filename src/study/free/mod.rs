@@ -12,6 +12,7 @@ mod sensitivity;
 mod several_holes;
 mod spinning;
 mod table_form;
+mod through_throat;
 
 pub use accuracy::Accuracy;
 pub use free_ray_end::FreeRayEnd;

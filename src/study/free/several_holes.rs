@@ -33,6 +33,7 @@ pub(super) static FORM: TableForm = TableForm {
     crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
     steppers: &[StepperKind::Rkn6, StepperKind::Dop853],
     stepper: None,
+    radius: |_, cells| cells.last(),
     trace: |_: &SpacetimeKind, cells, accuracy| Ok(FieldRay::new(cells, accuracy)?.traced(accuracy)),
     arrive: |_: &SpacetimeKind, cells, accuracy| Ok(FieldRay::new(cells, accuracy)?.arrival(accuracy)),
 };
@@ -63,7 +64,7 @@ impl FieldRay {
         }
         let lengths = Lengths::of(accuracy.precision);
         let vector = |first: usize| DVec3::from_slice(&cells.needed[first..first + 3]);
-        let (x, direction, center, r_out) = (vector(0), vector(3), vector(6), cells.radius());
+        let (x, direction, center, r_out) = (vector(0), vector(3), vector(6), cells.last());
         lengths.check(Input::Columns(&DIRECTION), "the length of the direction", direction.length())?;
         lengths.check(Input::Columns(&SPHERE), "the radius of the sphere", r_out)?;
         let holes = holes(cells, &lengths)?;

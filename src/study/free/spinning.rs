@@ -27,6 +27,7 @@ pub(super) static FORM: TableForm = TableForm {
     crossing: ["x1", "y1", "z1", "px1", "py1", "pz1", "sens"],
     steppers: &[StepperKind::Series, StepperKind::Dop853],
     stepper: Some(StepperKind::Series),
+    radius: |_, cells| cells.last(),
     trace: |spacetime, cells, accuracy| Ok(PhotonRay::new(spacetime, cells, accuracy)?.traced(accuracy)),
     arrive: |spacetime, cells, accuracy| Ok(PhotonRay::new(spacetime, cells, accuracy)?.arrival(accuracy)),
 };

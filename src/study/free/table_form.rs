@@ -3,15 +3,16 @@
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
-use super::{Accuracy, FreeRayEnd, isotropic, several_holes, spinning};
+use super::{Accuracy, FreeRayEnd, isotropic, several_holes, spinning, through_throat};
 use crate::scene::{StepperKind, flag_name};
 use crate::spacetime::{
-    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Placement, Range, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Mouths, Placement, Range, SpacetimeKind,
+    SpacetimeVisitor,
 };
 
 /// Form of the tables of rays of a family of spacetimes.
 pub struct TableForm {
-    /// Columns that describe a ray and that every table has; the last is the radius of the sphere.
+    /// Columns that describe a ray and that every table has.
     pub needed: &'static [&'static str],
     /// Columns that describe a ray where a table has them; cells may be empty.
     pub optional: &'static [&'static str],
@@ -23,6 +24,8 @@ pub struct TableForm {
     pub steppers: &'static [StepperKind],
     /// Stepper where none is asked for, if not that of the quality.
     pub stepper: Option<StepperKind>,
+    /// Radius of a ray's sphere, in the chart.
+    pub radius: fn(&SpacetimeKind, &Cells) -> f64,
     /// Follows a ray for all columns that are found.
     pub trace: fn(&SpacetimeKind, &Cells, &Accuracy) -> Result<Traced, InputError>,
     /// Follows a ray for its end only.
@@ -74,8 +77,8 @@ pub struct Arrival {
 }
 
 impl Cells {
-    /// Radius of the sphere.
-    pub fn radius(&self) -> f64 {
+    /// The last of the needed cells, where that is the radius of the sphere.
+    pub(super) fn last(&self) -> f64 {
         self.needed.last().copied().unwrap_or(f64::NAN)
     }
 }
@@ -136,6 +139,10 @@ impl SpacetimeVisitor for FormVisitor {
 
     fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> &'static TableForm {
         &isotropic::FORM
+    }
+
+    fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> &'static TableForm {
+        &through_throat::FORM
     }
 
     fn indexed<F: IndexField>(self, _: &F) -> &'static TableForm {

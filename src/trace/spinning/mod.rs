@@ -26,7 +26,7 @@ use crate::light::StraightAim;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::scene::Baked;
-use crate::spacetime::{Chart, KerrNewman, Placement, RestFrame};
+use crate::spacetime::{AtInfinity, Chart, KerrNewman, Placement, RestFrame};
 use commit_step::Committing;
 use flight::{SpinningFlight, SpinningMove};
 use launch::Launching;
@@ -106,11 +106,11 @@ impl Spinning {
         let (constants, state) = (flight.constants(), flight.state());
         if !self.sky {
             let [velocity, _] = state.motion(&self.place.hole, &constants);
-            return Outcome::Escaped(self.place.outwards(velocity).normalize());
+            return Outcome::Escaped(AtInfinity::near(self.place.outwards(velocity).normalize()));
         }
         let launch = KerrLaunch { constants, state };
         match follow(&self.place.hole, &launch, self.tolerance, 0.0, |_, _| {}).end {
-            KerrEnd::Crosses(end) => Outcome::Escaped(self.place.outwards(end.n)),
+            KerrEnd::Crosses(end) => Outcome::Escaped(AtInfinity::near(self.place.outwards(end.n))),
             KerrEnd::StepLimit => Outcome::StepLimit,
             KerrEnd::Falls | KerrEnd::Misses | KerrEnd::NonFinite => Outcome::NonFinite,
         }

@@ -445,7 +445,7 @@ fn directions_at_rest_and_their_rays_are_those_of_the_table() {
         let hole = UnitHole::new(a, 0.0);
         // Traced into the past, the hole of a scene spins the other way.
         let scene_hole = KerrNewman::new(2.0, -a, 0.0);
-        let placement = Placement { center: DVec3::ZERO, axis: DVec3::new(0.6, 0.0, 0.8) };
+        let placement = Placement { axis: DVec3::new(0.6, 0.0, 0.8), ..Placement::default() };
         let to_world = placement.rotation().transpose();
         let frame = SpacetimeKind::Spinning { placement, hole: scene_hole }.rest_frame();
         let at_rest = |x: DVec3, launch: &KerrLaunch| {

@@ -20,7 +20,7 @@ const MASS: f64 = 1.7;
 fn share(row: &Row, charge: f64, tolerance: f64) -> Option<Result<f64, String>> {
     let name = format!("row {} ({}, a = {})", row.text("id"), row.text("kind"), row.text("a"));
     let hole = UnitHole::new(row.number("a"), charge);
-    let placement = Placement { center: DVec3::new(3.0, -2.0, 5.0), axis: DVec3::new(0.6, 0.0, 0.8) };
+    let placement = Placement { axis: DVec3::new(0.6, 0.0, 0.8), ..DVec3::new(3.0, -2.0, 5.0).into() };
     let to_world = placement.rotation().transpose();
     let place = |x: DVec3| placement.center + MASS * (to_world * x);
     let spacetime = SpacetimeKind::Spinning { placement, hole: KerrNewman::new(2.0 * MASS, -hole.a, charge) };

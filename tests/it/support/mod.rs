@@ -105,6 +105,19 @@ pub fn hole(center: DVec3, schwarzschild_radius: f64) -> String {
     )
 }
 
+/// `[spacetime]` of an Ellis wormhole, with further keys.
+pub fn wormhole(center: DVec3, throat_radius: f64, keys: &str) -> String {
+    format!(
+        "[spacetime]\nkind = \"ellis-wormhole\"\ncenter = {}\nthroat_radius = {throat_radius:?}\n{keys}",
+        vector(center)
+    )
+}
+
+/// The entity or camera of a text, on the far side.
+pub fn far(text: &str) -> String {
+    text.to_owned() + "side = \"far\"\n"
+}
+
 /// `[camera]`; looks from `position` to `target`.
 pub fn camera(position: DVec3, target: DVec3, vertical_fov: f64) -> String {
     // Any direction far from parallel to the view will do.
