@@ -312,7 +312,7 @@ fn a_hole_that_does_not_spin_is_schwarzschilds_at_the_areal_radius() {
         let direction = row.vector(["dx1", "dy1", "dz1"]).normalize();
         let exact_p = KerrLaunch::at_rest(&hole, exact, direction);
         let p = exact_p.state.photon(&hole, &exact_p.constants).p;
-        let allowed = 1e-11 * row.number("sens");
+        let allowed = 1e-9 * row.number("sens");
         let off = (found.x.distance(exact) / r_out).max(found.p.distance(p) / p.length());
         assert!(off < allowed, "row {}: {off:e}, allowed {allowed:e}", row.text("id"));
         compared += 1;
