@@ -55,6 +55,7 @@ impl From<FanError> for Failure {
             FanError::InsideHorizon => {
                 "give a --from outside the hole; `warpfront info` tells where its horizon is"
             }
+            FanError::InErgosphere => "give a --from outside the ergosphere",
             FanError::UpAlongPlane => {
                 "give an --up that is not 0 and does not point from the start of the fan to the hole"
             }

@@ -5,12 +5,13 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::spinning_sections::SpinningHole;
 use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::Baked;
-use crate::spacetime::{ConformallyFlat, Metric, Side};
+use crate::spacetime::{ConformallyFlat, Metric, Side, SpacetimeKind};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
 /// Rays of a fan.
@@ -33,6 +34,9 @@ pub enum FanError {
     /// Rays cannot start there.
     #[error("the fan starts inside the horizon")]
     InsideHorizon,
+    /// Nothing is at rest there, nor the directions of the fan.
+    #[error("the fan starts in the ergosphere, where nothing is at rest")]
+    InErgosphere,
     /// No plane is perpendicular to that.
     #[error("the direction that is up from the plane points along the plane")]
     UpAlongPlane,
@@ -45,6 +49,7 @@ pub enum FanError {
 pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
+    spinning: Option<SpinningHole>,
     /// Side of a wormhole that is drawn: the camera's.
     side: Side,
     /// Centre and radius of a wormhole's throat on that side.
@@ -99,9 +104,20 @@ impl Fan {
         if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
             return Err(FanError::InsideHorizon);
         }
+        let spinning = match scene.spacetime {
+            SpacetimeKind::Spinning { placement, hole } => Some(SpinningHole { placement, hole }),
+            SpacetimeKind::Flat
+            | SpacetimeKind::Spherical { .. }
+            | SpacetimeKind::Wormhole { .. }
+            | SpacetimeKind::Indexed(_) => None,
+        };
+        if spinning.is_some() && scene.spacetime.drags(start) {
+            return Err(FanError::InErgosphere);
+        }
         let throat = scene.spacetime.wormhole();
         let throat = throat.map(|(mouths, metric)| (mouths.center(camera.side), metric.throat()));
         let center = hole.map(|(center, _)| center).or(throat.map(|(center, _)| center));
+        let center = center.or(spinning.map(|spinning| spinning.placement.center));
         let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
@@ -125,7 +141,7 @@ impl Fan {
         let plane = Plane { point: view.origin, normal };
         let cuts =
             scene.geometry.of(camera.side).map_or_else(Vec::new, |around| around.cross_section(&plane));
-        Ok(Self { polylines: polylines(scene, &rays), hole, side: camera.side, throat, cuts, view })
+        Ok(Self { polylines: polylines(scene, &rays), hole, spinning, side: camera.side, throat, cuts, view })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -158,13 +174,14 @@ impl Fan {
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
         if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last()) {
-            match &self.hole {
-                Some((center, medium)) => {
+            match (&self.hole, &self.spinning) {
+                (Some((center, medium)), _) => {
                     let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
-                None if there.side != self.side => {}
-                None => points.push(last + reach * there.direction),
+                (None, Some(spinning)) => points.extend(spinning.way_out(last, polyline.heading, reach)),
+                (None, None) if there.side != self.side => {}
+                (None, None) => points.push(last + reach * there.direction),
             }
         }
         points
@@ -206,6 +223,15 @@ impl Fan {
                 curves: circle(medium.horizon()),
             });
         }
+        if let Some(spinning) = self.spinning {
+            let axes = [self.view.right, self.view.up];
+            let mut add = |name: &str, style: Style, curves: Vec<Vec<[f64; 2]>>| {
+                series.push(DataSeries { name: name.to_owned(), style, curves });
+            };
+            add("photon orbits", Style::dashed(Color::BLACK, 1.6), spinning.photon_orbits(axes));
+            add("ergosphere", Style::line(Color::GREY, 1.6), vec![spinning.ergosphere(axes)]);
+            add("horizon", Style::area(Color::BLACK), vec![spinning.horizon(axes)]);
+        }
         if let Some((_, radius)) = self.throat {
             series.push(DataSeries {
                 name: "throat".to_owned(),
@@ -213,10 +239,11 @@ impl Fan {
                 curves: vec![circle(DVec2::ZERO, radius, 0.0, PI)],
             });
         }
-        let origin = match (self.hole, self.throat) {
-            (Some(_), _) => "the hole",
-            (None, Some(_)) => "the throat",
-            (None, None) => "the start",
+        let has_hole = self.hole.is_some() || self.spinning.is_some();
+        let origin = match self.throat {
+            _ if has_hole => "the hole",
+            Some(_) => "the throat",
+            None => "the start",
         };
         let FanBounds { min, max } = frame;
         let side = max - min;
@@ -240,6 +267,7 @@ impl Fan {
             polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
         }
         let body = self.hole.map(|(_, medium)| medium.photon_sphere());
+        let body = body.or(self.spinning.map(|spinning| spinning.hole.outermost_photon_orbit()));
         if let (Some(radius), Some(polyline)) =
             (body.or(self.throat.map(|(_, radius)| radius)), self.polylines.first())
         {

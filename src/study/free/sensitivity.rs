@@ -9,7 +9,7 @@ const ANGLES: [f64; 2] = [1e-5, 1e-13];
 /// Largest difference of ends beside each other of which the derivative is taken.
 const LARGEST_DIFFERENCE: f64 = 1e-3;
 
-/// Largest singular value of the derivative of the `end` of a ray, position over `unit` or direction, by the unit
+/// Largest singular value of the derivative of the `end` of a ray, position over `unit` or direction (or momentum), by the unit
 /// `direction` at its start; at least 1.
 pub(super) fn sensitivity(direction: DVec3, unit: f64, end: impl Fn(DVec3) -> Option<(DVec3, DVec3)>) -> f64 {
     let (across, up) = frame::tangents(direction);

@@ -5,11 +5,11 @@ use glam::DVec3;
 use super::super::input_error::{Input, InputError};
 use super::super::table::number_cell;
 use super::lengths::Lengths;
+use super::sensitivity::sensitivity;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::kerr::{
     KerrEnd, KerrLaunch, KerrPhoton, PhotonEnd, UnitHole, elapsed, follow, follow_photon,
 };
-use crate::math::frame;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{KerrNewman, SpacetimeKind};
 
@@ -58,10 +58,6 @@ const ON_SPHERE: f64 = 4.0 * f64::EPSILON;
 /// Accuracy with which the rays beside a ray are followed, for its sensitivity.
 const BESIDE: Accuracy =
     Accuracy { stepper: StepperKind::Series, tolerance: 1e-13, precision: Precision::F64 };
-/// Angles between a ray and those beside it, radians: the first, and the least.
-const ANGLES: [f64; 2] = [1e-5, 1e-13];
-/// Largest difference of ends beside each other of which the derivative is taken.
-const LARGEST_DIFFERENCE: f64 = 1e-3;
 
 impl PhotonRay {
     fn new(spacetime: &SpacetimeKind, cells: &Cells, accuracy: &Accuracy) -> Result<Self, InputError> {
@@ -181,35 +177,12 @@ impl PhotonRay {
         Traced { status, crossing, cells, steps }
     }
 
-    /// Largest singular value of the derivative of the end, position over the radius of the sphere or momentum, by the
-    /// direction of the momentum at the start; at least 1. By differences of rays beside each other.
+    /// Sensitivity of the end, position and momentum, to the direction of the momentum at the start.
     fn sens(&self) -> f64 {
-        let (across, up) = frame::tangents(self.direction);
-        let end = |turn: DVec3| self.follow((self.direction + turn).normalize(), &BESIDE, false).crossing;
-        let [mut angle, least] = ANGLES;
-        loop {
-            let slope = |way: DVec3| {
-                let (after, before) = (end(angle * way)?, end(-angle * way)?);
-                let per = 0.5 / angle;
-                Some([per / self.r_out * (after.x - before.x), per * (after.p - before.p)])
-            };
-            let found = slope(across).zip(slope(up)).map(|([x, p], [x_up, p_up])| {
-                largest_singular(x, x_up).max(largest_singular(p, p_up)).max(1.0)
-            });
-            match found {
-                Some(sens) if sens * angle <= LARGEST_DIFFERENCE || angle <= least => return sens,
-                None if angle <= least => return 1.0 / least,
-                _ => angle = (0.01 * angle).max(least),
-            }
-        }
+        sensitivity(self.direction, self.r_out, |direction| {
+            self.follow(direction, &BESIDE, false).crossing.map(|photon| (photon.x, photon.p))
+        })
     }
-}
-
-/// Larger singular value of a matrix of two columns.
-fn largest_singular(a: DVec3, b: DVec3) -> f64 {
-    let (aa, bb, ab) = (a.length_squared(), b.length_squared(), a.dot(b));
-    let half = 0.5 * (aa - bb);
-    (0.5 * (aa + bb) + (half * half + ab * ab).sqrt()).sqrt()
 }
 
 /// The hole of a spinning spacetime whose parameters may be together.
