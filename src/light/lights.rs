@@ -30,13 +30,13 @@ pub struct Lights {
     tree: Tree,
     /// The same for receivers on the far side of a wormhole.
     far_tree: Tree,
-    /// Transmission through which the lights of the other side are seen.
+    /// Throat through which the lights of the other side are seen.
     throat: Option<Transmission>,
     /// Least orientation factor of the tree.
     floor: f64,
 }
 
-/// Transmission of a wormhole, as a light tree sees it.
+/// Throat of a wormhole, as a light tree sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Transmission {
     /// Its centres on both sides.

@@ -22,8 +22,9 @@
 //! assert_eq!(Weak { k: 2.0 }.index_squared(0.5), 1.5);
 //! ```
 //!
-//! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene
-//! files, `--spacetime`, `info`, meshes, light sampling and all studies follow.
+//! Then give it a name and parameters by implementing [`Named`], and its place in `media!` of `kind.rs`: scene files,
+//! `--spacetime`, `info`, meshes, light sampling and all studies follow. A wormhole is the same with a
+//! [`throat`](ConformallyFlat::throat), beyond which ρ → throat²/ρ is the other side: [`Mouths`] glues the two.
 //!
 //! # Adding one without symmetry
 //!

@@ -23,7 +23,7 @@ pub struct Illumination {
     pub heuristic: Option<Heuristic>,
 }
 
-/// LightEnd of a ray that found light.
+/// End of a ray that found light.
 #[derive(Clone, Copy, Debug)]
 pub enum LightEnd<'a> {
     /// A surface, with its unit normal.

@@ -4,11 +4,13 @@
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
-use crate::support::{Random, Row, far, material, scene, sphere, table, vector, wormhole};
+use crate::support::lit::disk;
+use crate::support::{Random, Row, camera, far, material, scene, sphere, table, vector, wormhole};
 use glam::{DMat3, DQuat, DVec3};
 use warpfront::geometry::PrimitiveId;
+use warpfront::light::{Aim, Lensed};
 use warpfront::scene::Baked;
-use warpfront::spacetime::Side;
+use warpfront::spacetime::{Ellis, Mouths, Side};
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
 
@@ -292,4 +294,63 @@ fn a_half_turn_of_the_far_world_about_the_line_of_sight_shows_it_upright() {
         assert!(there.position.y > 0.0 && there.position.x.abs() < 1e-9, "{there:?}");
         assert!(there.position.y.atan2(-there.position.z) < PI, "{there:?}");
     }
+}
+
+#[test]
+fn the_aim_joins_places_on_either_side_by_rays_that_arrive() {
+    let mut random = Random::new(5);
+    let b0 = 1.3;
+    let (near, beyond) = (DVec3::new(0.5, -1.0, 2.0), DVec3::new(9.0, 3.0, -4.0));
+    let rotation = DMat3::from_quat(DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 2.1));
+    let mouths = Mouths { near, far: beyond, rotation };
+    let aim = Lensed::through(Ellis::new(b0), mouths, 2).unwrap();
+    let place = format!(
+        "far_center = {}\nfar_rotate = {{ axis = [0.6, 0, 0.8], angle = {:?} }}\n",
+        vector(beyond),
+        2.1f64.to_degrees()
+    );
+    let mut count = 0;
+    for number in 0..60 {
+        let [from, to] = [number % 2, number / 2 % 2].map(|i| if i == 0 { Side::Near } else { Side::Far });
+        let mut somewhere = |side| mouths.center(side) + random.log_between(0.8, 12.0) * random.direction();
+        let (x, y) = (somewhere(from), somewhere(to));
+        let (at_x, at_y) = (aim.place(from, x), aim.place(to, y));
+        for winding in 0..3 {
+            let Some(link) = aim.link(&at_x, &at_y, winding) else { continue };
+            let size = 1e-2 * y.distance(mouths.center(to));
+            let target = disk(y, link.arrival, 0.0, size, "black");
+            let text = wormhole(near, b0, &place)
+                + "[render]\nstepper = \"dop853\"\ntolerance = 1e-11\narc_tolerance = 1e-4\n"
+                + &camera(near + 20.0 * DVec3::Z, near, 40.0)
+                + &material("black", 0.0, 0.0)
+                + &if to == Side::Far { far(&target) } else { target };
+            let scene = scene(&text);
+            let arrival = |direction: DVec3| {
+                let start = State { side: from, position: x, direction: direction.normalize() };
+                let Outcome::Landed(landing) = end(&scene, ray(start)) else {
+                    panic!("{number}, winding number {winding}: {link:?} from {x} to {y}")
+                };
+                landing
+            };
+            let what = format!("{number}, winding number {winding}");
+            let middle = arrival(link.direction);
+            assert!(middle.position.distance(y) < 0.5 * size, "{what}: {middle:?} is not {y}");
+            assert!(middle.direction.distance(link.arrival) < 1e-3, "{what}: {middle:?}, {link:?}");
+            let (u, v) = link.direction.any_orthonormal_pair();
+            let step = 1e-4 * link.geometry_factor.sqrt() * size;
+            let across = |w: DVec3| {
+                arrival(link.direction + step * w).position - arrival(link.direction - step * w).position
+            };
+            let area = across(u).cross(across(v)).length();
+            let ratio = link.geometry_factor * area / (4.0 * step * step);
+            assert!((ratio - 1.0).abs() < 5e-3, "{what}: geometry factor off by {ratio}");
+            let (found, factor) = aim.classify(&at_x, link.direction, &at_y, link.arrival).unwrap();
+            assert!(
+                found == winding && (factor / link.geometry_factor - 1.0).abs() < 1e-2,
+                "{what}: {factor}"
+            );
+            count += 1;
+        }
+    }
+    assert!(count > 150, "{count}");
 }

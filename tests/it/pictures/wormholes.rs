@@ -132,6 +132,21 @@ fn the_plane_of_the_side_tells_the_throat_from_what_is_around_it() {
 }
 
 #[test]
+fn depth_is_the_way_to_the_throat_and_from_there_on() {
+    let text = wormhole(DVec3::ZERO, 1.0, "far_center = [30, 0, 0]\n")
+        + &camera(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, 1.0)
+        + &film(9, 9)
+        + &material("white", 0.8, 1.0)
+        + &far(&sphere(DVec3::new(30.0, 0.0, 0.0), 3.0, "white"));
+    let run = Run { aovs: vec![Aov::Depth, Aov::Position], ..Run::default() };
+    let rendered = render(&scene_with(&text, &[]), &run);
+    let at = |name: &str| rendered.image.channel(name).unwrap()[4 * 9 + 4];
+    // Straight through: the throat is at half the throat radius on either side.
+    assert!((at("depth.Z") - 7.0).abs() < 1e-2, "{}", at("depth.Z"));
+    assert!((at("position.Z") + 3.0).abs() < 1e-2, "{}", at("position.Z"));
+}
+
+#[test]
 fn a_point_light_beyond_the_throat_lights_as_a_small_lamp_of_its_intensity_does() {
     let (b0, place, radius) = (2.0f64, DVec3::new(1.0, 2.0, 6.0), 0.1);
     let common = wormhole(DVec3::ZERO, b0, "far_center = [20, 0, 0]\nfar_rotate = [0, 130, 0]\n")
