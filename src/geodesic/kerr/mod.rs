@@ -19,6 +19,7 @@
 //! References: separation: Carter 1968, Phys. Rev. 174, 1559; λ: Mino 2003, Phys. Rev. D 67, 084027; Kerr–Schild:
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
+mod constants;
 mod follow;
 mod hamiltonian;
 mod hole;
@@ -30,10 +31,11 @@ mod state;
 mod step;
 mod time;
 
+pub use constants::Constants;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
-pub use launch::{Constants, KerrLaunch};
+pub use launch::KerrLaunch;
 pub use photon::KerrPhoton;
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::hole::{UnitHole, about_axis};
-use super::launch::Constants;
 use super::photon::KerrPhoton;
 
 /// State of a ray.

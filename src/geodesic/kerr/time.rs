@@ -1,7 +1,7 @@
 //! Kerr–Schild time along a ray.
 
+use super::constants::Constants;
 use super::hole::UnitHole;
-use super::launch::Constants;
 use super::state::MinoState;
 use crate::math::quadrature;
 

@@ -5,6 +5,7 @@
 //! and how a ray is followed; and one line in [`TableForm::of`].
 
 mod accuracy;
+mod forms;
 mod free_ray_end;
 pub mod isotropic;
 mod lengths;

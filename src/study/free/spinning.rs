@@ -109,7 +109,7 @@ impl PhotonRay {
         let launch = KerrLaunch::with_momentum(hole, photon.x, photon.p);
         let KerrLaunch { constants, state } = launch;
         let (end, periastron, steps) = if accuracy.stepper == StepperKind::Dop853 {
-            let fate = constants.fate(&state);
+            let fate = constants.fate(state.u, state.v);
             let journey = follow_photon(hole, photon, Some(fate), accuracy.tolerance, *r_out);
             (journey.end, journey.periastron, journey.steps)
         } else {

@@ -3,12 +3,9 @@
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
-use super::{Accuracy, FreeRayEnd, isotropic, several_holes, spinning, through_throat};
+use super::{Accuracy, FreeRayEnd};
 use crate::scene::{StepperKind, flag_name};
-use crate::spacetime::{
-    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Mouths, Placement, Range, SpacetimeKind,
-    SpacetimeVisitor,
-};
+use crate::spacetime::SpacetimeKind;
 
 /// Form of the tables of rays of a family of spacetimes.
 pub struct TableForm {
@@ -84,21 +81,6 @@ impl Cells {
 }
 
 impl TableForm {
-    /// Form of the tables of a spacetime's rays.
-    pub fn of(entry: &Entry) -> &'static Self {
-        match entry.listed {
-            Some(Listed::Holes) => return &several_holes::FORM,
-            Some(Listed::Lenses) | None => {}
-        }
-        // The parameters do not change the family, but for a length of 0.
-        let values = entry.parameters.iter().map(|parameter| match parameter.range {
-            Range::Length => 1.0,
-            Range::Ratio { least, most, .. } => 0.5 * (least + most),
-        });
-        let values: Vec<f64> = values.collect();
-        entry.with(DVec3::ZERO, &values).visit(FormVisitor)
-    }
-
     /// Checks that a stepper follows the rays.
     ///
     /// # Errors
@@ -124,32 +106,5 @@ pub(super) fn other_chart(coordinates: &str) -> InputError {
         input: Input::Spacetime,
         cause: format!("the ray is in {coordinates} coordinates, which the spacetime does not have"),
         remedy: "give another --spacetime".to_owned(),
-    }
-}
-
-/// Visitor that finds the form of a family.
-struct FormVisitor;
-
-impl SpacetimeVisitor for FormVisitor {
-    type Output = &'static TableForm;
-
-    fn flat(self) -> &'static TableForm {
-        &isotropic::FORM
-    }
-
-    fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> &'static TableForm {
-        &isotropic::FORM
-    }
-
-    fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> &'static TableForm {
-        &through_throat::FORM
-    }
-
-    fn indexed<F: IndexField>(self, _: &F) -> &'static TableForm {
-        &several_holes::FORM
-    }
-
-    fn spinning(self, _: Placement, _: KerrNewman) -> &'static TableForm {
-        &spinning::FORM
     }
 }

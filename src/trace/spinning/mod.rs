@@ -27,10 +27,10 @@ use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::scene::Baked;
 use crate::spacetime::{AtInfinity, Chart, KerrNewman, Placement, RestFrame};
-use commit_step::Committing;
+use commit_step::SpinningCommits;
 use flight::{SpinningFlight, SpinningMove};
-use launch::Launching;
-use march::{Marching, SeriesMarch, keeps_outside, march};
+use launch::SpinningLaunches;
+use march::{SeriesMarch, SpinningMarch, keeps_outside, march};
 use place::PlacedHole;
 use span::SpinningSpan;
 
@@ -63,7 +63,7 @@ impl Spinning {
         let chart = Chart { outer: 1.0 / farthest, inner: place.hole.horizon.min(1.0 / nearest) };
         let tolerance = scene.settings.tolerance;
         let arc_tolerance = scene.arc_tolerance_around(placement.center);
-        let marching = Marching { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
+        let marching = SpinningMarch { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
         Self {
             place,
             frame: scene.spacetime.rest_frame(),
@@ -168,7 +168,7 @@ impl Transport for Spinning {
     }
 
     fn launch(&self, start: &Start) -> SpinningFlight {
-        Launching(&self.place).run(&(*start).into(), &())
+        SpinningLaunches(&self.place).run(&(*start).into(), &())
     }
 
     fn launch_all(
@@ -181,7 +181,7 @@ impl Transport for Spinning {
         let lanes = starts.len();
         points.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
-        map(&Launching(&self.place), points.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
+        map(&SpinningLaunches(&self.place), points.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {
             flights.set(lane, launched.get(i));
         }
@@ -229,7 +229,7 @@ impl Transport for Spinning {
         found: Option<Found>,
     ) -> (Outcome<SpinningFlight>, ()) {
         let Some(found) = found else {
-            return (self.outcome(&Committing(self).run(flight, step)), ());
+            return (self.outcome(&SpinningCommits(self).run(flight, step)), ());
         };
         let landing = match geometry {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
@@ -259,7 +259,7 @@ impl Transport for Spinning {
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
         land_all_on_rays(self, geometry, (flights, moves), on_rays, &mut land);
         // Those that landed go on as well, to nowhere.
-        update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        update(&SpinningCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());

@@ -122,7 +122,8 @@ fn rays_leave_the_picture_without_a_corner_and_along_the_geodesic() {
 fn rays_in_the_equator_of_a_spinning_hole_stay_there_and_leave_without_a_corner() {
     let scene = SCENE.replace("\"schwarzschild\"", "\"kerr\"\nspin = 0.9");
     let place = Folder::with(&[("scene.toml", &scene)]);
-    let near = ["--set", "entity.0.sphere.center=[0,1,0]", "--set", "entity.0.sphere.radius=0.3"];
+    // The ball above the equator, near the hole.
+    let near = ["--set", "entity.0.sphere.center=[0,2.8,0]", "--set", "entity.0.sphere.radius=0.3"];
     let rays = points(&place, &[&["--count", "61"][..], &near].concat());
     let mut ends = [0, 0];
     for (points, fate) in rays.values() {

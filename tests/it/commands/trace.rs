@@ -295,7 +295,7 @@ fn bad_arguments_are_refused() {
     assert_refused(&place.run(&[&flat[..], &["."]].concat()), &["cannot read `.`"]);
     assert_refused(
         &place.run(&["trace", "--spacetime", "goedel", "rays.csv"]),
-        &["schwarzschild, reissner-nordstrom, kerr, kerr-newman, flat"],
+        &["goedel", "schwarzschild, reissner-nordstrom,"],
     );
     assert_eq!(place.files(), ["rays.csv"]);
 }

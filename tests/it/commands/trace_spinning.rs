@@ -74,7 +74,7 @@ fn the_other_columns_of_a_spinning_hole_are_exact_by_default() {
                 check("r_turn", 1e-11 * sens.sqrt() * exact.maybe("r_turn").unwrap_or(1.0));
             } else {
                 // The largest of all directions; the other table has that of one.
-                check("sens", (1e-6 + 1e-12 * sens) * sens);
+                check("sens", (1e-5 + 1e-11 * sens) * sens);
             }
         }
     }

@@ -25,18 +25,19 @@ fn share(row: &Row, charge: f64, tolerance: f64) -> Option<Result<f64, String>> 
     let place = |x: DVec3| placement.center + MASS * (to_world * x);
     let spacetime = SpacetimeKind::Spinning { placement, hole: KerrNewman::new(2.0 * MASS, -hole.a, charge) };
     let frame = spacetime.rest_frame();
-    // Direction at rest of a photon of the table.
+    // Tangent in the chart and direction at rest of a photon of the table.
     let seen = |x: DVec3, p: DVec3| {
         let photon = KerrPhoton::new(&hole, x, p)?;
         let launch = KerrLaunch::with_momentum(&hole, photon.x, photon.p);
         let [velocity, _] = launch.state.motion(&hole, &launch.constants);
-        Some(frame.direction(place(x), to_world * velocity))
+        let tangent = to_world * velocity.normalize();
+        Some((tangent, frame.direction(place(x), tangent)))
     };
     let x = row.vector(["x0", "y0", "z0"]);
     if spacetime.drags(place(x)) {
         return None;
     }
-    let direction = seen(x, row.vector(["px0", "py0", "pz0"]))?;
+    let (_, direction) = seen(x, row.vector(["px0", "py0", "pz0"]))?;
     let sens = row.maybe("sens").unwrap_or(1.0).max(1.0);
     let captured = row.text("status") == "captured";
     // A small sphere about the end: a ray that is off by more than is allowed passes beside it.
@@ -64,10 +65,10 @@ fn share(row: &Row, charge: f64, tolerance: f64) -> Option<Result<f64, String>> 
     Some(match end {
         Outcome::Captured if captured => Ok(0.0),
         Outcome::Landed(landing) if !captured => {
-            let expected = seen(exact, row.vector(["px1", "py1", "pz1"]))?;
+            let (tangent, expected) = seen(exact, row.vector(["px1", "py1", "pz1"]))?;
             // Within the sphere the ray bends, too.
             let part = radius / r_out;
-            let off = (landing.position - place(exact)).reject_from_normalized(expected).length() / r_out;
+            let off = (landing.position - place(exact)).reject_from_normalized(tangent).length() / r_out;
             let turned = landing.direction.distance(expected);
             Ok((off / (allowed + part * part)).max(turned / (4.0 * allowed + 2.0 * part)))
         }

@@ -85,7 +85,7 @@ fn check_fates(rays: usize) {
         let (x, p) = random_ray(&mut random, &hole);
         let Some(photon) = KerrPhoton::new(&hole, x, p) else { return };
         let launch = KerrLaunch::with_momentum(&hole, photon.x, photon.p);
-        let fate = launch.constants.fate(&launch.state);
+        let fate = launch.fate();
         let end = follow_photon(&hole, photon, None, 1e-11, R_OUT).end;
         let same = match end {
             PhotonEnd::Crosses(_) => fate == Fate::Escapes,

@@ -98,7 +98,7 @@ fn without_spin_the_picture_is_schwarzschilds_at_the_areal_radius() {
     let picture = |kind: &str, radius: fn(f64) -> f64| {
         let text = format!("[spacetime]\nkind = \"{kind}\"\nschwarzschild_radius = 2\n")
             + (if kind == "kerr" { "spin = 0\n" } else { "" })
-            + &camera(DVec3::new(0.0, 0.0, radius(6.0)), DVec3::new(0.0, 0.3, 0.0), 80.0)
+            + &camera(DVec3::Z * radius(6.0), DVec3::Y * (0.05 * radius(6.0)), 80.0)
             + &film(48, 48)
             + "[render]\nspp = 1\nmax_depth = 1\ntolerance = 1e-9\narc_tolerance = 1e-6\n"
             + "[environment]\nkind = \"sky\"\n"
