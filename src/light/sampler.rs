@@ -15,9 +15,8 @@ use super::emitter::{Emitter, Standpoint, View};
 use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
-use super::sample::{EmitterHit, Incoming, LightSample, Target};
+use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
-use crate::geometry::PrimitiveId;
 
 /// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
 /// generic over aims.
@@ -39,8 +38,8 @@ pub trait LightSampler: Send + Sync {
     /// in the direction `at_infinity`.
     fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64;
 
-    /// True if a light ray that lands at `position` on `primitive` has reached its target.
-    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool;
+    /// True if a light ray that lands there has reached its target.
+    fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
 }
 
 impl<A: Aim> LightSampler for A {
@@ -90,9 +89,9 @@ impl<A: Aim> LightSampler for A {
         finite(pmf * sky.density(at_infinity) * self.pmf(&x, &y, winding) / geometry_factor)
     }
 
-    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool {
+    fn reaches(&self, _: &Lights, target: Target, end: &LightRayEnd) -> bool {
         let Target::Surface(wanted, at) = target else { return false };
-        primitive == wanted && self.is_reached(at, position)
+        end.primitive == wanted && self.is_reached(at, end.position)
     }
 }
 

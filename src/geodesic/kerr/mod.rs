@@ -22,6 +22,8 @@
 mod follow;
 mod hole;
 mod launch;
+mod place;
+mod plane;
 mod powers;
 mod series;
 mod state;
@@ -30,6 +32,8 @@ mod step;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hole::UnitHole;
 pub use launch::{Constants, KerrLaunch};
+pub use place::PlacedHole;
+pub use plane::{Orbit, OrbitEnd, Plane};
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;

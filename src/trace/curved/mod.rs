@@ -17,7 +17,7 @@ use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
-use crate::light::Lensed;
+use crate::light::{Lensed, LightSampler};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::ConformallyFlat;
@@ -100,10 +100,9 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     type Segment = Arc;
     type Scratch = Scratch<R>;
     type Carried = ();
-    type Aim = Lensed<M>;
 
-    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
-        Lensed::new(self.medium, self.center, max_winding)
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
+        Some(Box::new(Lensed::new(self.medium, self.center, max_winding)?))
     }
 
     fn launch(&self, start: &Start) -> CurvedFlight<R> {
