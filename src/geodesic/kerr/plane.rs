@@ -45,6 +45,8 @@ pub struct Orbit {
 pub struct OrbitEnd {
     /// Inverse radius: no larger than the horizon's much, nor below 0.
     pub u: f64,
+    /// Its derivative by the angle.
+    pub slope: f64,
     /// Winding about the axis on the way there, radians.
     pub winding: f64,
     /// Angle that is left where it left to infinity or fell, radians.
@@ -115,6 +117,7 @@ impl Orbit {
             let state = MinoState { u, v, ..MinoState::default() };
             hole.a * (state.winding(hole, &constants) - 1.0)
         };
+        let mut start_rate = rate(u, v);
         for _ in 0..MAX_STEPS {
             let series = PlaneSeries::new(&constants, w, (u, v));
             let h = series.length(hole).min(left / w);
@@ -124,17 +127,18 @@ impl Orbit {
                 // The part of the step that is outside, by its chord.
                 let bound = if end.0 > u { hole.horizon } else { 0.0 };
                 let part = ((bound - u) / (end.0 - u)).clamp(0.0, 1.0);
-                return OrbitEnd { u: bound, winding, left: left - part * h * w };
+                return OrbitEnd { u: bound, slope: v / w, winding, left: left - part * h * w };
             }
             // Simpson's rule.
-            winding += h / 6.0 * (rate(u, v) + 4.0 * rate(middle.0, middle.1) + rate(end.0, end.1));
-            (u, v) = end;
+            let end_rate = rate(end.0, end.1);
+            winding += h / 6.0 * (start_rate + 4.0 * rate(middle.0, middle.1) + end_rate);
+            (u, v, start_rate) = (end.0, end.1, end_rate);
             left -= h * w;
             if left <= 1e-12 * angle {
-                return OrbitEnd { u, winding, left: 0.0 };
+                break;
             }
         }
-        OrbitEnd { u, winding, left: 0.0 }
+        OrbitEnd { u, slope: v / w, winding, left: 0.0 }
     }
 }
 

@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::geodesic::kerr::{KerrLaunch, Plane, UnitHole};
 use crate::math::frame::tangents;
 
-/// A place of the hole's: units of its mass, spin along z.
+/// A place around the hole: units of its mass, spin along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KerrPlace {
     /// Spheroidal radius.
@@ -17,32 +17,38 @@ pub struct KerrPlace {
     pub n: DVec3,
 }
 
-/// A ray towards a place.
+/// A ray from a place to another as if nothing wound about the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     /// Unit direction at its start, in the frame at rest.
     pub direction: DVec3,
-    /// Angle from falling radially.
+    /// Unit tangent of N's great circle at the start, and the angle along it to the end, radians.
+    tangent: DVec3,
+    angle: f64,
+    /// Angle from falling radially, radians.
     alpha: f64,
-    /// Winding about the axis at its end, radians.
+    /// Derivative of the inverse radius at the end by α; NaN if unknown.
+    by_alpha: f64,
+    /// Derivative of the inverse radius at the end by the angle.
+    slope: f64,
+    /// Winding about the axis at the end, radians.
     turn: f64,
 }
 
-/// A place as its light is looked for, turned back by the winding about the axis on the way.
+/// A ray to a place, with the winding about the axis on the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TurnedBack {
-    /// The place in the plane of the orbit.
-    pub place: KerrPlace,
-    /// The ray there.
+pub struct Aimed {
+    /// The ray, to where the place is without the winding.
     pub shot: Shot,
     /// The winding, radians.
     turn: f64,
+    winding: u32,
 }
 
 /// Most solutions in a plane while the winding about the axis is found.
 const MAX_SOLVES: usize = 8;
 /// Largest difference between the winding about the axis and its guess, radians.
-const TURN_TOLERANCE: f64 = 0.01;
+const TURN_TOLERANCE: f64 = 0.003;
 /// Largest change of a guess, radians.
 const LARGEST_TURN: f64 = 0.7;
 /// Most orbits followed for one solution.
@@ -51,6 +57,8 @@ const MAX_ORBITS: usize = 32;
 const TOLERANCE: f64 = 3e-4;
 /// Impact parameter near that of capture, of any spin.
 const CRITICAL: f64 = 5.5;
+/// Difference by which derivatives are estimated, radians.
+const DIFFERENCE: f64 = 1e-3;
 
 /// `n` turned about z.
 fn turned(n: DVec3, angle: f64) -> DVec3 {
@@ -65,30 +73,35 @@ impl KerrPlace {
         Self { r, n }
     }
 
+    /// The half-plane of orbits that start along `tangent`.
+    fn plane(&self, hole: &UnitHole, tangent: DVec3) -> Option<Plane> {
+        Plane::new(hole, (1.0 / self.r, self.n), tangent)
+    }
+
+    /// Unit direction in the frame at rest in which an orbit starts.
+    fn direction(&self, hole: &UnitHole, plane: &Plane, alpha: f64) -> DVec3 {
+        let orbit = plane.orbit(alpha);
+        let momentum = orbit.start.momentum(hole, &orbit.constants);
+        KerrLaunch::direction_at_rest(hole, (self.r, self.n), momentum)
+    }
+
     /// The ray from here to `target` in the plane of both, with this winding number about the centre, as if nothing
     /// wound about the axis; a `guess` saves time.
-    pub fn shoot(
-        &self,
-        hole: &UnitHole,
-        target: &KerrPlace,
-        winding: u32,
-        guess: Option<&Shot>,
-    ) -> Option<Shot> {
+    fn shoot(&self, hole: &UnitHole, target: &KerrPlace, winding: u32, guess: Option<&Shot>) -> Option<Shot> {
         let cos = self.n.dot(target.n);
         let across = target.n - cos * self.n;
         let tangent = across.try_normalize().unwrap_or_else(|| tangents(self.n).0);
         let near = libm::atan2(across.length(), cos);
         let (tangent, angle) = if winding == 0 { (tangent, near) } else { (-tangent, TAU - near) };
-        let plane = Plane::new(hole, (1.0 / self.r, self.n), tangent)?;
-        let (alpha, turn) = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
-        let orbit = plane.orbit(alpha);
-        let momentum = orbit.start.momentum(hole, &orbit.constants);
-        let direction = KerrLaunch::direction_at_rest(hole, (self.r, self.n), momentum);
-        direction.is_finite().then_some(Shot { direction, alpha, turn })
+        let plane = self.plane(hole, tangent)?;
+        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
+        let Solution { alpha, by_alpha, slope, turn } = found;
+        let direction = self.direction(hole, &plane, alpha);
+        direction.is_finite().then_some(Shot { direction, tangent, angle, alpha, by_alpha, slope, turn })
     }
 
-    /// The ray from here to `target` with this winding number, and the place in its plane.
-    pub fn aim(&self, hole: &UnitHole, target: &KerrPlace, winding: u32) -> Option<TurnedBack> {
+    /// The ray from here to `target` with this winding number.
+    pub fn aim(&self, hole: &UnitHole, target: &KerrPlace, winding: u32) -> Option<Aimed> {
         let place = |turn: f64| KerrPlace { n: turned(target.n, -turn), ..*target };
         let mut turn = 0.0;
         let mut shot = self.shoot(hole, &place(turn), winding, None)?;
@@ -109,27 +122,87 @@ impl KerrPlace {
             turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
             shot = self.shoot(hole, &place(turn), winding, Some(&shot))?;
         }
-        Some(TurnedBack { place: place(turn), shot, turn })
+        Some(Aimed { shot, turn, winding })
     }
 }
 
-/// Angle α of the ray in a plane that goes from the first inverse radius to the second while it sweeps `angle`, and its
-/// winding about the axis.
+impl Aimed {
+    /// Unit vector across the plane of the orbit at its end.
+    pub fn across(&self, from: &KerrPlace) -> DVec3 {
+        turned(from.n.cross(self.shot.tangent), self.turn)
+    }
+
+    /// Direction in which a `position` beside the end is seen, by rays that wind about the axis as much.
+    pub fn beside(&self, from: &KerrPlace, hole: &UnitHole, position: DVec3) -> Option<DVec3> {
+        let place = KerrPlace::new(hole, position);
+        let place = KerrPlace { n: turned(place.n, -self.turn), ..place };
+        Some(from.shoot(hole, &place, self.winding, Some(&self.shot))?.direction)
+    }
+
+    /// Changes of direction with small changes of the end, each given by that of r N, relative to r: linear, with what
+    /// is across the plane turning it alone. `None` where derivatives are not known.
+    pub fn shifts(
+        &self,
+        from: &KerrPlace,
+        hole: &UnitHole,
+        radius: f64,
+        changes: [DVec3; 3],
+    ) -> Option<[DVec3; 3]> {
+        let Shot { direction, tangent, angle, alpha, by_alpha, slope, .. } = self.shot;
+        let (sin, cos) = libm::sincos(angle);
+        let across = from.n.cross(tangent);
+        let (end, along) = (cos * from.n + sin * tangent, cos * tangent - sin * from.n);
+        let steeper = self.direction_beside(from, hole, tangent, alpha + DIFFERENCE)?;
+        let tilted = self.direction_beside(from, hole, (tangent + DIFFERENCE * across).normalize(), alpha)?;
+        let (by_alpha_1, by_tilt) = ((steeper - direction) / DIFFERENCE, (tilted - direction) / DIFFERENCE);
+        let shifts = changes.map(|change| {
+            let change = turned(change, -self.turn);
+            let rise = -change.dot(end) / radius - slope * change.dot(along);
+            rise / by_alpha * by_alpha_1 + change.dot(across) / sin * by_tilt
+        });
+        shifts.iter().all(|shift| shift.is_finite()).then_some(shifts)
+    }
+
+    fn direction_beside(
+        &self,
+        from: &KerrPlace,
+        hole: &UnitHole,
+        tangent: DVec3,
+        alpha: f64,
+    ) -> Option<DVec3> {
+        Some(from.direction(hole, &from.plane(hole, tangent)?, alpha))
+    }
+
+    /// Sine of the angle that the orbit sweeps, without its sign: the plane is as uncertain as this is small.
+    pub fn steadiness(&self) -> f64 {
+        libm::sin(self.shot.angle).abs()
+    }
+}
+
+/// A ray in a plane that ends at a radius.
+struct Solution {
+    alpha: f64,
+    by_alpha: f64,
+    slope: f64,
+    turn: f64,
+}
+
+/// The ray in a plane that goes from the first inverse radius to the second while it sweeps `angle`.
 fn solve(
     hole: &UnitHole,
     plane: &Plane,
     (from, to): (f64, f64),
     angle: f64,
     guess: Option<&Shot>,
-) -> Option<(f64, f64)> {
+) -> Option<Solution> {
     let (sin, cos) = libm::sincos(angle);
     let mut alpha = match guess {
         Some(shot) => shot.alpha,
         None => {
             // In flat space, but not captured.
-            let flat = if sin > 0.0 && angle < PI { libm::atan2(sin, to / from - cos) } else { 0.0 };
+            let flat = if angle < PI { libm::atan2(sin.max(1e-9), to / from - cos) } else { 0.0 };
             let captured = if from < 0.3 { CRITICAL * from } else { 1.0 };
-            flat.max(1.05 * captured.min(FRAC_PI_2))
+            if angle < 1.5 { flat } else { flat.max(1.05 * captured.min(FRAC_PI_2)) }
         }
     };
     // Too steep a fall, and too flat.
@@ -147,12 +220,18 @@ fn solve(
         } else {
             high = alpha;
         }
+        let mut by_alpha = f64::NAN;
         let next = match before {
             _ if is_lost => f64::NAN,
-            Some((other, missed)) => alpha - miss * (alpha - other) / (miss - missed),
+            Some((other, missed)) => {
+                by_alpha = (miss - missed) / (alpha - other);
+                alpha - miss / by_alpha
+            }
             None => {
-                let (sin_alpha, slope) = (libm::sin(alpha), from * sin.max(0.2));
-                alpha + (miss * sin_alpha * sin_alpha / slope).clamp(-0.3, 0.3)
+                let sin_alpha = libm::sin(alpha);
+                let slope = guess.map_or(f64::NAN, |shot| -shot.by_alpha);
+                let slope = if slope > 0.0 { slope } else { from * sin.max(0.2) / (sin_alpha * sin_alpha) };
+                alpha + (miss / slope).clamp(-0.3, 0.3)
             }
         };
         let next = if next > low && next < high {
@@ -168,24 +247,13 @@ fn solve(
         let is_found = !is_lost && (next - alpha).abs() < TOLERANCE;
         alpha = next;
         if is_found || high - low < TOLERANCE {
-            return Some((alpha, end.winding));
+            // Of a warm start that was right at once.
+            let by_alpha =
+                if by_alpha.is_nan() { guess.map_or(by_alpha, |shot| shot.by_alpha) } else { by_alpha };
+            return Some(Solution { alpha, by_alpha, slope: end.slope, turn: end.winding });
         }
     }
     None
-}
-
-impl TurnedBack {
-    /// A vector at the place, turned forth by the winding.
-    pub fn turned(&self, vector: DVec3) -> DVec3 {
-        turned(vector, self.turn)
-    }
-
-    /// Direction in which a `position` beside the place is seen, by rays that wind about the axis as much.
-    pub fn beside(&self, from: &KerrPlace, hole: &UnitHole, position: DVec3, winding: u32) -> Option<DVec3> {
-        let place = KerrPlace::new(hole, position);
-        let place = KerrPlace { n: turned(place.n, -self.turn), ..place };
-        Some(from.shoot(hole, &place, winding, Some(&self.shot))?.direction)
-    }
 }
 
 #[cfg(test)]
@@ -250,7 +318,7 @@ mod tests {
             let (place, target) = (KerrPlace::new(&hole, x), KerrPlace::new(&hole, y));
             let aim = place.aim(&hole, &target, winding).expect("an aim");
             let met = nearest(&hole, x, aim.shot.direction, y);
-            let error = aim.beside(&place, &hole, met, winding);
+            let error = aim.beside(&place, &hole, met);
             errors.push(error.map_or(1.0, |direction| direction.distance(aim.shot.direction)));
         }
         errors.sort_by(f64::total_cmp);
