@@ -1,6 +1,6 @@
 //! Regions of directions: where a light may be seen.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::{DVec2, DVec3};
 
@@ -52,7 +52,7 @@ impl Region {
     /// sector is one about `pole`. `None` if it is so large that it is not worth while.
     pub fn about(middle: DVec3, points: &[DVec3], pole: DVec3, margin: f64) -> Option<Self> {
         let ellipse = Ellipse::about(middle, points, margin);
-        let is_small = |ellipse: &Ellipse| ellipse.reach.max_element() <= LARGE;
+        let is_small = |ellipse: &Ellipse| ellipse.reach.x <= LARGE;
         let region = if ellipse.as_ref().is_some_and(is_small) {
             ellipse.map(Self::Ellipse)
         } else {
@@ -68,7 +68,7 @@ impl Region {
     pub fn small(middle: DVec3, shifts: &[DVec3; 3], margin: f64) -> Option<Self> {
         let points = shifts.map(|shift| [(middle + shift).normalize(), (middle - shift).normalize()]);
         let ellipse = Ellipse::about(middle, points.as_flattened(), margin)?;
-        (ellipse.reach.max_element() <= LARGE).then_some(Self::Ellipse(ellipse))
+        (ellipse.reach.x <= LARGE).then_some(Self::Ellipse(ellipse))
     }
 
     /// Density of a direction that is drawn from it.
@@ -135,7 +135,7 @@ impl Ellipse {
         let reach = DVec2::new(mean + root, (mean - root).max(0.0));
         let reach = WIDER * DVec2::new(reach.x.sqrt(), reach.y.sqrt()) + margin;
         // Within the hemisphere about the middle: further out the map is much distorted.
-        (reach.max_element() < std::f64::consts::SQRT_2).then_some(Self { middle, axes, reach })
+        (reach.x < SQRT_2).then_some(Self { middle, axes, reach })
     }
 
     fn area(&self) -> f64 {
