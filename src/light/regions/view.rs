@@ -38,12 +38,12 @@ struct Light {
 /// Margin of a region for the error of the aim: radians, and what the square of the spin adds, near the hole and by
 /// winding number.
 const MARGIN: f64 = 0.002;
-const SPIN_MARGIN: [f64; 2] = [0.008, 0.02];
+const SPIN_MARGIN: [f64; 2] = [0.004, 0.012];
 /// Smallest distance of a receiver from the middle of a light, relative to the light's size.
 const NEAREST: f64 = 1.5;
 /// How much of the spin the pole of sectors is off the principal null direction.
 const SWING: f64 = 2.7;
-/// Impact parameter of rays that go around, of any spin, at most.
+/// Impact parameter of rays that go around, of any spin, at most, if the light is near.
 const AROUND: f64 = 8.0;
 /// Least weight of rays that go around, relative to the near ones.
 const LEAST_AROUND: f64 = 0.02;
@@ -83,8 +83,11 @@ impl View {
         let pole = (-from.n - SWING * hole.a / from.r * about_axis).normalize();
         let near = light.region(&hole, &from, pole, 0)?;
         let normal = place.inwards(receiver.normal);
-        let sin_around = AROUND / from.r * (1.0 - 2.0 / from.r).max(0.0).sqrt();
-        let cos_around = if from.r > AROUND { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
+        // Those that are bent least are as far out as Einstein's ring.
+        let ring = 2.0 * (from.r * light.middle.r / (from.r + light.middle.r)).sqrt();
+        let sin_around = (1.3 * ring + 2.0 + light.size).max(AROUND) / from.r;
+        let cos_around =
+            if sin_around < 1.0 { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
         // Large regions may be seen although their middles are not.
         let weight = |middle: DVec3, spread: f64| (middle.dot(normal) + spread).max(0.02 + 0.1 * spread);
         let around = if goes_around {
