@@ -76,6 +76,17 @@ pub struct Spot {
     pub density: f64,
 }
 
+/// An ellipsoid around an emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Its middle.
+    pub middle: DVec3,
+    /// Three conjugate half-diameters, of which some may be 0.
+    pub half_axes: [DVec3; 3],
+    /// True of a sphere, whose axes may be turned.
+    pub is_round: bool,
+}
+
 /// View of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
@@ -109,6 +120,47 @@ impl Emitter {
             Form::Whole(Shape::Sphere(sphere)) | Form::Cap(sphere, _) => sphere.center,
             Form::Whole(Shape::Disk(disk)) => disk.center,
             Form::Whole(Shape::Triangle([a, b, c])) => (a + b + c) / 3.0,
+        }
+    }
+
+    /// An ellipsoid around it.
+    pub fn extent(&self) -> Extent {
+        let flat = |normal: DVec3, radius: f64| {
+            let (x, y) = tangents(normal);
+            [radius * x, radius * y]
+        };
+        match self.form {
+            Form::Cap(Sphere { center, radius }, Cap { axis, height }) if height < 1.0 => {
+                let [x, y] = flat(axis, radius * (height * (2.0 - height)).sqrt());
+                let middle = center + radius * (1.0 - height) * axis;
+                Extent { middle, half_axes: [x, y, radius * height * axis], is_round: false }
+            }
+            Form::Whole(Shape::Sphere(Sphere { center, radius }))
+            | Form::Cap(Sphere { center, radius }, _) => {
+                let half_axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| radius * axis);
+                Extent { middle: center, half_axes, is_round: true }
+            }
+            Form::Whole(Shape::Disk(disk)) => {
+                let [x, y] = flat(disk.normal, disk.outer);
+                Extent { middle: disk.center, half_axes: [x, y, DVec3::ZERO], is_round: false }
+            }
+            Form::Whole(Shape::Triangle([a, b, c])) => {
+                // Steiner's ellipse through the corners, by two conjugate half-diameters.
+                let middle = (a + b + c) / 3.0;
+                let half_axes = [c - middle, (b - a) / 3f64.sqrt(), DVec3::ZERO];
+                Extent { middle, half_axes, is_round: false }
+            }
+        }
+    }
+
+    /// Unit normal at a place on it, towards the front.
+    pub fn normal_at(&self, position: DVec3) -> DVec3 {
+        match self.form {
+            Form::Whole(Shape::Sphere(sphere)) | Form::Cap(sphere, _) => {
+                (position - sphere.center).normalize_or_zero()
+            }
+            Form::Whole(Shape::Disk(disk)) => disk.normal,
+            Form::Whole(Shape::Triangle([a, b, c])) => (b - a).cross(c - a).normalize_or_zero(),
         }
     }
 

@@ -43,6 +43,17 @@ pub enum Incoming {
     Irradiance(Vec3),
 }
 
+/// Landing of a light ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightRayEnd {
+    /// The primitive.
+    pub primitive: PrimitiveId,
+    /// World position.
+    pub position: DVec3,
+    /// Unit direction of travel.
+    pub direction: DVec3,
+}
+
 /// An emitter that a ray found by BSDF sampling ends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterHit {

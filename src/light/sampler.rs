@@ -15,9 +15,8 @@ use super::emitter::{Emitter, Standpoint, View};
 use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
-use super::sample::{EmitterHit, Incoming, LightSample, Target};
+use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
-use crate::geometry::PrimitiveId;
 use crate::spacetime::{AtInfinity, Side};
 
 /// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
@@ -40,8 +39,8 @@ pub trait LightSampler: Send + Sync {
     /// `there`.
     fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64;
 
-    /// True if a light ray that lands at `position` on `primitive` has reached its target.
-    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool;
+    /// True if a light ray that lands there has reached its target.
+    fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
 }
 
 impl<A: Aim> LightSampler for A {
@@ -96,9 +95,9 @@ impl<A: Aim> LightSampler for A {
         finite(pmf * sky.density(there.direction) * self.pmf(&x, &y, winding) / geometry_factor)
     }
 
-    fn reaches(&self, target: Target, primitive: PrimitiveId, position: DVec3) -> bool {
+    fn reaches(&self, _: &Lights, target: Target, end: &LightRayEnd) -> bool {
         let Target::Surface(wanted, at) = target else { return false };
-        primitive == wanted && self.is_reached(primitive.side(), at, position)
+        end.primitive == wanted && self.is_reached(end.primitive.side(), at, end.position)
     }
 }
 

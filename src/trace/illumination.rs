@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
-    EmitterHit, Guide, Heuristic, Incoming, LightSample, LightSampler, Lights, Neighbourhood, Receiver,
-    StraightAim, Target, Transmission,
+    EmitterHit, Guide, Heuristic, Incoming, LightRayEnd, LightSample, LightSampler, Lights, Neighbourhood,
+    Receiver, StraightAim, Target, Transmission,
 };
 use crate::scene::{Baked, LightSampling};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
@@ -64,7 +64,7 @@ impl Illumination {
         }
         let straight = settings.light_sampling == LightSampling::Straight;
         let sampler: Box<dyn LightSampler> =
-            if straight { Box::new(StraightAim) } else { Box::new(transport.aim(settings.max_winding)?) };
+            if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let lights =
             Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor)
@@ -152,7 +152,8 @@ impl Illumination {
     /// True if a light ray that lands has reached its target.
     #[inline]
     pub fn reaches(&self, target: Target, landing: &Landing) -> bool {
-        self.sampler.reaches(target, landing.primitive, landing.position)
+        let &Landing { primitive, position, direction } = landing;
+        self.sampler.reaches(&self.lights, target, &LightRayEnd { primitive, position, direction })
     }
 
     /// Weight of a light sample of pdf `sampled` whose light BSDF sampling would find with pdf `found`.

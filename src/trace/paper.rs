@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
-use crate::light::Lensed;
+use crate::light::{Lensed, LightSampler};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{AtInfinity, Chart, ConformallyFlat, Fate};
@@ -140,10 +140,9 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
     type Segment = Line;
     type Scratch = ();
     type Carried = ();
-    type Aim = Lensed<M>;
 
-    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
-        Lensed::new(self.medium, self.center, max_winding)
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
+        Some(Box::new(Lensed::new(self.medium, self.center, max_winding)?))
     }
 
     fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> PaperFlight {

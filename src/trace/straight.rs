@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
-use crate::light;
+use crate::light::{LightSampler, StraightAim};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::AtInfinity;
@@ -67,12 +67,11 @@ impl Transport for Straight {
     type Segment = Line;
     type Scratch = ();
     type Carried = ();
-    type Aim = light::StraightAim;
 
     const IS_STRAIGHT: bool = true;
 
-    fn aim(&self, _: u32) -> Option<light::StraightAim> {
-        Some(light::StraightAim)
+    fn sampler(&self, _: u32) -> Option<Box<dyn LightSampler>> {
+        Some(Box::new(StraightAim))
     }
 
     #[inline(always)]

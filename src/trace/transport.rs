@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use glam::DVec3;
 
 use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
-use crate::light::Aim;
+use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 use crate::spacetime::{AtInfinity, Side};
@@ -104,11 +104,9 @@ pub trait Transport: Send + Sync + Sized {
     /// True if all rays are straight lines.
     const IS_STRAIGHT: bool = false;
 
-    /// Aim of light samples along these rays.
-    type Aim: Aim + 'static;
-
-    /// The aim, with winding numbers up to `max_winding`; `None` if it finds no rays in this spacetime.
-    fn aim(&self, max_winding: u32) -> Option<Self::Aim>;
+    /// Light sampling along these rays, with winding numbers up to `max_winding`; `None` if there is none in this
+    /// spacetime.
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>>;
 
     /// A ray that starts.
     fn launch(&self, start: &Start<Self::Carried>) -> Self::Flight;
@@ -263,9 +261,7 @@ mod tests {
         type Scratch = ();
         type Carried = Half;
 
-        type Aim = crate::light::StraightAim;
-
-        fn aim(&self, _: u32) -> Option<Self::Aim> {
+        fn sampler(&self, _: u32) -> Option<Box<dyn LightSampler>> {
             None
         }
 

@@ -38,6 +38,7 @@ mod light {
     mod light_noise;
     mod light_sampling;
     mod lights_near_the_hole;
+    mod regions;
 }
 
 mod pictures {

@@ -39,6 +39,15 @@ impl KerrLaunch {
         Self::new(hole, (r, n), p, moment)
     }
 
+    /// Unit direction in which an observer at rest at spheroidal radius `r` and unit vector `n` sees a photon of
+    /// covariant momentum `p`, null with p_t = −1, travel: the inverse of [`Self::at_rest`].
+    pub fn direction_at_rest(hole: &UnitHole, (r, n): (f64, DVec3), p: DVec3) -> DVec3 {
+        let potential = hole.potential(r, n.z);
+        let s = (1.0 - potential).sqrt();
+        let along = s * s * n.dot(p) - potential;
+        (s * p - (potential / s + (1.0 / s - 1.0) * along) * n).normalize()
+    }
+
     /// A photon at `x` of covariant momentum `p`, null with p_t = −1.
     pub fn with_momentum(hole: &UnitHole, x: DVec3, p: DVec3) -> Self {
         let (r, n) = hole.spheroidal(x);

@@ -19,7 +19,7 @@ use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
-use crate::light::Lensed;
+use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
@@ -108,10 +108,9 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
     type Segment = Arc;
     type Scratch = Scratch<R>;
     type Carried = ();
-    type Aim = Lensed<M>;
 
-    fn aim(&self, max_winding: u32) -> Option<Lensed<M>> {
-        self.worlds.aim(self.medium, max_winding)
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
+        Some(Box::new(self.worlds.aim(self.medium, max_winding)?))
     }
 
     fn launch(&self, start: &Start) -> CurvedFlight<R> {

@@ -16,7 +16,7 @@ use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
-use crate::light::StraightAim;
+use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, map, update};
 use crate::spacetime::AtInfinity;
@@ -92,9 +92,8 @@ impl Transport for FieldTransport {
     type Segment = Arc;
     type Scratch = FieldScratch;
     type Carried = ();
-    type Aim = StraightAim;
 
-    fn aim(&self, _: u32) -> Option<StraightAim> {
+    fn sampler(&self, _: u32) -> Option<Box<dyn LightSampler>> {
         None
     }
 

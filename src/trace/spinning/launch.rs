@@ -1,8 +1,7 @@
 //! The start of a ray around a spinning hole.
 
 use super::flight::SpinningFlight;
-use super::place::PlacedHole;
-use crate::geodesic::kerr::{Constants, KerrLaunch, MinoState};
+use crate::geodesic::kerr::{Constants, KerrLaunch, MinoState, PlacedHole};
 use crate::math::kernel::Kernel;
 use crate::trace::flight_status::FlightStatus;
 use crate::trace::launch_point::LaunchPoint;

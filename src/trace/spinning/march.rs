@@ -4,10 +4,9 @@
 use glam::DVec3;
 
 use super::flight::{SpinningFlight, SpinningMove};
-use super::place::PlacedHole;
 use super::span::SpinningSpan;
 use crate::geodesic::kerr::{
-    MinoState, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
+    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
 };
 use crate::geodesic::{SpaceArc, fit_space_arc};
 use crate::math::columns::Row;

@@ -8,7 +8,6 @@ mod commit_step;
 mod flight;
 mod launch;
 mod march;
-mod place;
 mod span;
 
 use glam::DVec3;
@@ -20,9 +19,9 @@ use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
-use crate::geodesic::kerr::{KerrEnd, KerrLaunch, follow};
+use crate::geodesic::kerr::{KerrEnd, KerrLaunch, PlacedHole, follow};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
-use crate::light::StraightAim;
+use crate::light::{LightSampler, Regions};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::scene::Baked;
@@ -31,7 +30,6 @@ use commit_step::SpinningCommits;
 use flight::{SpinningFlight, SpinningMove};
 use launch::SpinningLaunches;
 use march::{SeriesMarch, SpinningMarch, keeps_outside, march};
-use place::PlacedHole;
 use span::SpinningSpan;
 
 /// Rays around a spinning hole.
@@ -160,11 +158,9 @@ impl Transport for Spinning {
     type Segment = Arc;
     type Scratch = SpinningScratch;
     type Carried = ();
-    type Aim = StraightAim;
 
-    /// None yet: lights are found by BSDF sampling.
-    fn aim(&self, _: u32) -> Option<StraightAim> {
-        None
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
+        Some(Box::new(Regions::new(self.place, self.frame, max_winding)))
     }
 
     fn launch(&self, start: &Start) -> SpinningFlight {

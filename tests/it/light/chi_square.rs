@@ -9,8 +9,8 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 use warpfront::film::Aov;
 use warpfront::geometry::{Disk, PrimitiveId, Shape, Sphere};
 use warpfront::light::{
-    Approach, Cap, Emission, Emitter, EmitterHit, Form, Guide, Incoming, Lensed, LightSampler, Lights,
-    Photon, Receiver, Sky, StraightAim, Target, Tree, View,
+    Approach, Cap, Emission, Emitter, EmitterHit, Form, Guide, Incoming, Lensed, LightRayEnd, LightSampler,
+    Lights, Photon, Receiver, Sky, StraightAim, Target, Tree, View,
 };
 use warpfront::scene::Baked;
 
@@ -435,7 +435,8 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
             assert!(matches!(sample.light, Incoming::Radiance(..) | Incoming::Sky(..)));
             let met = match (sample.target, shot.end) {
                 (target, Outcome::Landed(landing)) => {
-                    sampler.reaches(target, landing.primitive, landing.position)
+                    let Landing { primitive, position, direction } = landing;
+                    sampler.reaches(&lights, target, &LightRayEnd { primitive, position, direction })
                 }
                 (Target::Infinity(_), Outcome::Escaped(_)) => true,
                 _ => false,

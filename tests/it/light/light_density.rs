@@ -6,7 +6,9 @@ use crate::support::lit::{TWISTS, room};
 use crate::support::{Random, camera, film, material, scene, sphere};
 use glam::DVec3;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{EmitterHit, Incoming, Lensed, LightSampler, Lights, Receiver, StraightAim, Target};
+use warpfront::light::{
+    EmitterHit, Incoming, Lensed, LightRayEnd, LightSampler, Lights, Receiver, StraightAim, Target,
+};
 use warpfront::scene::Baked;
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, shoot};
@@ -91,8 +93,10 @@ impl Lit {
 /// Whether a ray ended where it was aimed at.
 fn is_met(lit: &Lit, target: Target, landing: &Landing) -> bool {
     // A disk around the hole sees itself edge-on.
+    let &Landing { primitive, position, direction } = landing;
+    let end = LightRayEnd { primitive, position, direction };
     let is_seen = landing.direction.dot(lit.normal(landing)).abs() > 1e-6;
-    is_seen && lit.sampler.reaches(target, landing.primitive, landing.position)
+    is_seen && lit.sampler.reaches(&lit.lights, target, &end)
 }
 
 fn ends_agree(rooms: u64, receivers: usize, count: usize, bound: f64) {

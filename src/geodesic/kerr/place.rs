@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::geodesic::kerr::UnitHole;
+use super::hole::UnitHole;
 use crate::spacetime::{KerrNewman, Placement};
 
 /// A spinning hole in the world, as rays that are traced into the past meet it.

@@ -1,0 +1,342 @@
+//! Aim at a place around a spinning hole, exact to first order in the spin: a root in one dimension in the plane of the
+//! orbit, and the winding about the axis, which turns the plane.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+
+use crate::geodesic::kerr::{KerrLaunch, Plane, UnitHole};
+use crate::math::frame::tangents;
+
+/// A place around the hole: units of its mass, spin along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KerrPlace {
+    /// Spheroidal radius.
+    pub r: f64,
+    /// N.
+    pub n: DVec3,
+}
+
+/// A ray from a place to another as if nothing wound about the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// Unit direction at its start, in the frame at rest.
+    pub direction: DVec3,
+    /// Unit tangent of N's great circle at the start, and the angle along it to the end, radians.
+    tangent: DVec3,
+    angle: f64,
+    /// Angle from falling radially, radians.
+    alpha: f64,
+    /// Derivative of the inverse radius at the end by α; NaN if unknown.
+    by_alpha: f64,
+    /// Derivative of the inverse radius at the end by the angle.
+    slope: f64,
+    /// Winding about the axis at the end, radians.
+    turn: f64,
+}
+
+/// A ray to a place, with the winding about the axis on the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aimed {
+    /// The ray, to where the place is without the winding.
+    pub shot: Shot,
+    /// The winding, radians.
+    turn: f64,
+    winding: u32,
+}
+
+/// Most solutions in a plane while the winding about the axis is found.
+const MAX_SOLVES: usize = 8;
+/// Largest difference between the winding about the axis and its guess, radians.
+const TURN_TOLERANCE: f64 = 0.003;
+/// Largest change of a guess, radians.
+const LARGEST_TURN: f64 = 0.7;
+/// Most orbits followed for one solution.
+const MAX_ORBITS: usize = 32;
+/// Error of α, radians.
+const TOLERANCE: f64 = 3e-4;
+/// Impact parameter near that of capture, of any spin.
+const CRITICAL: f64 = 5.5;
+/// Difference by which derivatives are estimated, radians.
+const DIFFERENCE: f64 = 1e-3;
+
+/// `n` turned about z.
+fn turned(n: DVec3, angle: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(angle);
+    DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z)
+}
+
+impl KerrPlace {
+    /// From a position in the chart.
+    pub fn new(hole: &UnitHole, position: DVec3) -> Self {
+        let (r, n) = hole.spheroidal(position);
+        Self { r, n }
+    }
+
+    /// The half-plane of orbits that start along `tangent`.
+    fn plane(&self, hole: &UnitHole, tangent: DVec3) -> Option<Plane> {
+        Plane::new(hole, (1.0 / self.r, self.n), tangent)
+    }
+
+    /// Unit direction in the frame at rest in which an orbit starts.
+    fn direction(&self, hole: &UnitHole, plane: &Plane, alpha: f64) -> DVec3 {
+        let orbit = plane.orbit(alpha);
+        let momentum = orbit.start.momentum(hole, &orbit.constants);
+        KerrLaunch::direction_at_rest(hole, (self.r, self.n), momentum)
+    }
+
+    /// The ray from here to `target` in the plane of both, with this winding number about the centre, as if nothing
+    /// wound about the axis; a `guess` saves time.
+    fn shoot(&self, hole: &UnitHole, target: &KerrPlace, winding: u32, guess: Option<&Shot>) -> Option<Shot> {
+        let cos = self.n.dot(target.n);
+        let across = target.n - cos * self.n;
+        let tangent = across.try_normalize().unwrap_or_else(|| tangents(self.n).0);
+        let near = libm::atan2(across.length(), cos);
+        let (tangent, angle) = if winding == 0 { (tangent, near) } else { (-tangent, TAU - near) };
+        let plane = self.plane(hole, tangent)?;
+        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
+        let Solution { alpha, by_alpha, slope, turn } = found;
+        let direction = self.direction(hole, &plane, alpha);
+        direction.is_finite().then_some(Shot { direction, tangent, angle, alpha, by_alpha, slope, turn })
+    }
+
+    /// The ray from here to `target` with this winding number.
+    pub fn aim(&self, hole: &UnitHole, target: &KerrPlace, winding: u32) -> Option<Aimed> {
+        let place = |turn: f64| KerrPlace { n: turned(target.n, -turn), ..*target };
+        let mut turn = 0.0;
+        let mut shot = self.shoot(hole, &place(turn), winding, None)?;
+        // Of the secant: the guess before and how far off it was.
+        let mut before: Option<(f64, f64)> = None;
+        for _ in 1..MAX_SOLVES {
+            let miss = shot.turn - turn;
+            if miss.abs() < TURN_TOLERANCE {
+                break;
+            }
+            let step = match before {
+                Some((guess, missed)) if (miss - missed).abs() > 0.3 * (turn - guess).abs() => {
+                    -miss * (turn - guess) / (miss - missed)
+                }
+                _ => miss,
+            };
+            before = Some((turn, miss));
+            turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
+            shot = self.shoot(hole, &place(turn), winding, Some(&shot))?;
+        }
+        Some(Aimed { shot, turn, winding })
+    }
+}
+
+impl Aimed {
+    /// Unit vector across the plane of the orbit at its end.
+    pub fn across(&self, from: &KerrPlace) -> DVec3 {
+        turned(from.n.cross(self.shot.tangent), self.turn)
+    }
+
+    /// Direction in which a `position` beside the end is seen, by rays that wind about the axis as much.
+    pub fn beside(&self, from: &KerrPlace, hole: &UnitHole, position: DVec3) -> Option<DVec3> {
+        let place = KerrPlace::new(hole, position);
+        let place = KerrPlace { n: turned(place.n, -self.turn), ..place };
+        Some(from.shoot(hole, &place, self.winding, Some(&self.shot))?.direction)
+    }
+
+    /// Changes of direction with small changes of the end, each given by that of r N, relative to r: linear, with what
+    /// is across the plane turning it alone. `None` where derivatives are not known.
+    pub fn shifts(
+        &self,
+        from: &KerrPlace,
+        hole: &UnitHole,
+        radius: f64,
+        changes: [DVec3; 3],
+    ) -> Option<[DVec3; 3]> {
+        let Shot { direction, tangent, angle, alpha, by_alpha, slope, .. } = self.shot;
+        let (sin, cos) = libm::sincos(angle);
+        let across = from.n.cross(tangent);
+        let (end, along) = (cos * from.n + sin * tangent, cos * tangent - sin * from.n);
+        let steeper = self.direction_beside(from, hole, tangent, alpha + DIFFERENCE)?;
+        let tilted = self.direction_beside(from, hole, (tangent + DIFFERENCE * across).normalize(), alpha)?;
+        let (by_alpha_1, by_tilt) = ((steeper - direction) / DIFFERENCE, (tilted - direction) / DIFFERENCE);
+        let shifts = changes.map(|change| {
+            let change = turned(change, -self.turn);
+            let rise = -change.dot(end) / radius - slope * change.dot(along);
+            rise / by_alpha * by_alpha_1 + change.dot(across) / sin * by_tilt
+        });
+        shifts.iter().all(|shift| shift.is_finite()).then_some(shifts)
+    }
+
+    fn direction_beside(
+        &self,
+        from: &KerrPlace,
+        hole: &UnitHole,
+        tangent: DVec3,
+        alpha: f64,
+    ) -> Option<DVec3> {
+        Some(from.direction(hole, &from.plane(hole, tangent)?, alpha))
+    }
+
+    /// Sine of the angle that the orbit sweeps, without its sign: the plane is as uncertain as this is small.
+    pub fn steadiness(&self) -> f64 {
+        libm::sin(self.shot.angle).abs()
+    }
+}
+
+/// A ray in a plane that ends at a radius.
+struct Solution {
+    alpha: f64,
+    by_alpha: f64,
+    slope: f64,
+    turn: f64,
+}
+
+/// The ray in a plane that goes from the first inverse radius to the second while it sweeps `angle`.
+fn solve(
+    hole: &UnitHole,
+    plane: &Plane,
+    (from, to): (f64, f64),
+    angle: f64,
+    guess: Option<&Shot>,
+) -> Option<Solution> {
+    let (sin, cos) = libm::sincos(angle);
+    let mut alpha = match guess {
+        Some(shot) => shot.alpha,
+        None => {
+            // In flat space, but not captured.
+            let flat = if angle < PI { libm::atan2(sin.max(1e-9), to / from - cos) } else { 0.0 };
+            let captured = if from < 0.3 { CRITICAL * from } else { 1.0 };
+            if angle < 1.5 { flat } else { flat.max(1.05 * captured.min(FRAC_PI_2)) }
+        }
+    };
+    // Too steep a fall, and too flat.
+    let (mut low, mut high) = (0.0, PI);
+    let mut before: Option<(f64, f64)> = None;
+    for _ in 0..MAX_ORBITS {
+        let end = plane.orbit(alpha).follow(hole, angle);
+        let is_lost = end.left > 0.0;
+        let miss = end.u - to;
+        if miss.is_nan() {
+            return None;
+        }
+        if miss > 0.0 {
+            low = alpha;
+        } else {
+            high = alpha;
+        }
+        let mut by_alpha = f64::NAN;
+        let next = match before {
+            _ if is_lost => f64::NAN,
+            Some((other, missed)) => {
+                by_alpha = (miss - missed) / (alpha - other);
+                alpha - miss / by_alpha
+            }
+            None => {
+                let sin_alpha = libm::sin(alpha);
+                let slope = guess.map_or(f64::NAN, |shot| -shot.by_alpha);
+                let slope = if slope > 0.0 { slope } else { from * sin.max(0.2) / (sin_alpha * sin_alpha) };
+                alpha + (miss / slope).clamp(-0.3, 0.3)
+            }
+        };
+        let next = if next > low && next < high {
+            next
+        } else if high == PI {
+            2.0 * libm::atan(1.5 * libm::tan(0.5 * low))
+        } else if low == 0.0 {
+            2.0 * libm::atan(libm::tan(0.5 * high) / 1.5)
+        } else {
+            0.5 * (low + high)
+        };
+        before = (!is_lost).then_some((alpha, miss));
+        let is_found = !is_lost && (next - alpha).abs() < TOLERANCE;
+        alpha = next;
+        if is_found || high - low < TOLERANCE {
+            // Of a warm start that was right at once.
+            let by_alpha =
+                if by_alpha.is_nan() { guess.map_or(by_alpha, |shot| shot.by_alpha) } else { by_alpha };
+            return Some(Solution { alpha, by_alpha, slope: end.slope, turn: end.winding });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesic::kerr::{Series, SeriesControl, SeriesStep, dense_displacement};
+
+    /// Numbers in [0, 1), evenly.
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        fn direction(&mut self) -> DVec3 {
+            let z = 2.0 * self.next() - 1.0;
+            let (sin, cos) = libm::sincos(TAU * self.next());
+            let s = (1.0 - z * z).sqrt();
+            DVec3::new(s * cos, s * sin, z)
+        }
+
+        fn position(&mut self, least: f64, most: f64) -> DVec3 {
+            least * libm::pow(most / least, self.next()) * self.direction()
+        }
+    }
+
+    /// Nearest point to `y` of the whole ray from `x` in a direction.
+    fn nearest(hole: &UnitHole, x: DVec3, direction: DVec3, y: DVec3) -> DVec3 {
+        let KerrLaunch { constants, mut state } = KerrLaunch::at_rest(hole, x, direction);
+        let control = SeriesControl::new(10, 1e-7);
+        let (mut nearest, mut before) = (x, x);
+        while state.u > 0.01 && state.u < 0.95 * hole.horizon {
+            let series = Series::<10>::new(hole, &constants, &state);
+            let h = 0.5 * control.length(hole, &series);
+            for part in 1..=32 {
+                let end = hole.position(state.u, state.n)
+                    + dense_displacement(hole, &series, h * f64::from(part) / 32.0);
+                let chord = end - before;
+                let s = ((y - before).dot(chord) / chord.length_squared()).clamp(0.0, 1.0);
+                let point = before + s * chord;
+                if point.distance(y) < nearest.distance(y) {
+                    nearest = point;
+                }
+                before = end;
+            }
+            state = SeriesStep::new(hole, &constants, &series, h).end;
+        }
+        nearest
+    }
+
+    /// Errors of aims in radians, sorted: the direction to the point that the ray meets, less that of the ray.
+    fn errors(a: f64, winding: u32, wanted: impl Fn(f64) -> bool) -> Vec<f64> {
+        let hole = UnitHole::new(a, 0.0);
+        let (mut numbers, mut errors) = (Numbers(7), Vec::new());
+        while errors.len() < 200 {
+            let (x, y) = (numbers.position(4.0, 30.0), numbers.position(3.0, 30.0));
+            if !wanted(x.normalize().dot(y.normalize())) {
+                continue;
+            }
+            let (place, target) = (KerrPlace::new(&hole, x), KerrPlace::new(&hole, y));
+            let aim = place.aim(&hole, &target, winding).expect("an aim");
+            let met = nearest(&hole, x, aim.shot.direction, y);
+            let error = aim.beside(&place, &hole, met);
+            errors.push(error.map_or(1.0, |direction| direction.distance(aim.shot.direction)));
+        }
+        errors.sort_by(f64::total_cmp);
+        errors
+    }
+
+    #[test]
+    fn the_aim_is_exact_to_first_order_in_the_spin() {
+        for a in [0.0, 1e-2, 0.1, -0.5, 0.9, -0.998] {
+            for winding in [0, 1] {
+                let kinds: [(&str, [f64; 2]); 3] =
+                    [("same", [0.5, 1.0]), ("side", [-0.5, 0.5]), ("behind", [-1.0, -0.5])];
+                for (name, [least, most]) in kinds {
+                    let errors = errors(a, winding, |cos| cos > least && cos < most);
+                    let [median, p90, p99] = [100, 180, 198].map(|i| errors[i]);
+                    println!("a = {a}, {winding}, {name}: median {median:.1e}, p90 {p90:.1e}, p99 {p99:.1e}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Regions: light sampling around a spinning hole, where no formula joins two places.
+//!
+//! For each winding number, an aim that is exact to first order in the spin tells about where a light is seen: a region
+//! of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
+//! alone, so that a ray found by BSDF sampling has the density with which it could have been drawn; what they miss, and
+//! lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts, from wherever it comes.
+//!
+//! Only surfaces are sampled.
+
+mod aim;
+mod shape;
+mod view;
+
+use glam::DVec3;
+
+use super::lights::{ChosenLight, Lights};
+use super::receiver::Receiver;
+use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
+use super::sampler::LightSampler;
+use crate::geodesic::kerr::PlacedHole;
+use crate::spacetime::{AtInfinity, RestFrame};
+use view::View;
+
+/// Light sampling by regions of directions.
+pub struct Regions {
+    place: PlacedHole,
+    frame: RestFrame,
+    /// True if rays that go around the hole are looked for, too: further windings dilute the samples more than they
+    /// help.
+    goes_around: bool,
+}
+
+impl Regions {
+    /// Regions around the hole in its `place`, whose frame at rest is `frame`, for winding numbers up to `max_winding`.
+    pub fn new(place: PlacedHole, frame: RestFrame, max_winding: u32) -> Self {
+        Self { place, frame, goes_around: max_winding > 0 }
+    }
+}
+
+impl LightSampler for Regions {
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
+        let ChosenLight::Surface(emitter, pmf) = lights.choose(receiver, u0)? else { return None };
+        let view = View::new(&self.place, receiver, emitter, self.goes_around)?;
+        let (direction, density) = view.sample(u)?;
+        Some(LightSample {
+            direction: self.place.outwards(direction),
+            target: Target::Surface(emitter.primitive, emitter.middle()),
+            light: Incoming::Radiance(emitter.radiance, pmf * density),
+        })
+    }
+
+    fn surface_density(
+        &self,
+        lights: &Lights,
+        receiver: &Receiver,
+        direction: DVec3,
+        hit: &EmitterHit,
+    ) -> f64 {
+        let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
+        let pmf = lights.emitter_pmf(index, receiver);
+        if pmf == 0.0 {
+            return 0.0;
+        }
+        let view = View::new(&self.place, receiver, emitter, self.goes_around);
+        pmf * view.map_or(0.0, |view| view.density(self.place.inwards(direction)))
+    }
+
+    /// The sky is left to BSDF sampling.
+    fn sky_density(&self, _: &Lights, _: &Receiver, _: DVec3, _: AtInfinity) -> f64 {
+        0.0
+    }
+
+    fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool {
+        let Target::Surface(wanted, _) = target else { return false };
+        let Some((emitter, _)) = lights.emitter(end.primitive).filter(|_| end.primitive == wanted) else {
+            return false;
+        };
+        let normal = self.frame.normal(end.position, emitter.normal_at(end.position));
+        emitter.both_sides || end.direction.dot(normal) < 0.0
+    }
+}

@@ -1,0 +1,193 @@
+//! Light sampling around spinning holes: regions of directions have the densities that are said of them, and show the
+//! same picture as rays that nothing aims.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+
+use crate::support::chi_square::{Directions, Verdict};
+use crate::support::lit::{Agreement, Twist, picture, room};
+use crate::support::{Random, camera, material, mesh, rectangle, scene_with, sphere};
+use warpfront::geodesic::kerr::PlacedHole;
+use warpfront::geometry::{PrimitiveId, Shape};
+use warpfront::light::{EmitterHit, Incoming, LightSampler, Lights, Receiver, Regions, Target};
+use warpfront::scene::Baked;
+use warpfront::scene::LightSampling::{Geodesic, Off};
+use warpfront::spacetime::{KerrNewman, Placement, SpacetimeKind};
+
+/// Samples of a test.
+const COUNT: usize = 100_000;
+
+/// Puts a spinning hole into a scene.
+fn spin(scene: &mut Baked, (r_s, spin, charge): (f64, f64, f64), placement: Placement) {
+    scene.spacetime = SpacetimeKind::Spinning { placement, hole: KerrNewman::new(r_s, spin, charge) };
+}
+
+/// A ball, a disk and two triangles that shine, of radius or width `size`, at the same place.
+fn lamps(place: DVec3, size: f64) -> Baked {
+    let text = camera(DVec3::new(0.0, 1.0, 60.0), DVec3::ZERO, 60.0)
+        + &material("light", 0.5, 1.0)
+        + &sphere(place, size, "light")
+        + &mesh("lamp.obj", DVec3::ZERO, "light")
+        + &format!(
+            "[[entity]]\ndisk = {{ center = {:?}, normal = [0.3, -1, 0], outer = {size:?} }}\nmaterial = \"light\"\n",
+            place.to_array()
+        );
+    scene_with(&text, &[("lamp.obj", &rectangle(place, size * DVec3::X, size * DVec3::Y))])
+}
+
+#[test]
+fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
+    let (mut random, mut verdict, mut seen) = (Random::new(1), Verdict::default(), 0);
+    for number in 0..40 {
+        let axis = random.direction();
+        let a = [0.0, 0.9, -0.998, 0.5][number % 4];
+        let place = random.log_between(3.0, 25.0) * random.direction();
+        let size = random.log_between(0.1, 2.0);
+        let position = match number % 3 {
+            0 => -random.log_between(4.0, 25.0) * place.normalize(),
+            _ => random.log_between(4.0, 25.0) * random.direction(),
+        };
+        let mut scene = lamps(place, size);
+        spin(&mut scene, (2.0, a, 0.0), Placement { axis, ..DVec3::ZERO.into() });
+        let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
+        let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
+        let Baked { geometry, materials, environment, .. } = &scene;
+        let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+        let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
+        let samples: Vec<_> = (0..COUNT)
+            .map(|_| sampler.sample(&lights, &receiver, [0; 4].map(|_| random.between(0.0, 1.0))))
+            .collect();
+        for emitter in lights.emitters() {
+            let hit = |direction| EmitterHit {
+                primitive: emitter.primitive,
+                position: emitter.middle(),
+                normal: DVec3::X,
+                arrival: direction,
+            };
+            let density = |direction| sampler.surface_density(&lights, &receiver, direction, &hit(direction));
+            let mine = samples.iter().map(|sample| {
+                let sample = sample.as_ref()?;
+                let Target::Surface(primitive, _) = sample.target else { return None };
+                (primitive == emitter.primitive).then_some(sample)
+            });
+            let mine: Vec<_> = mine.collect();
+            let Some(first) = mine.iter().flatten().next() else { continue };
+            for sample in mine.iter().flatten().take(200) {
+                let Incoming::Radiance(_, said) = sample.light else { panic!("{:?}", sample.light) };
+                let error = density(sample.direction) / said - 1.0;
+                assert!(error.abs() < 1e-9, "{number}: {said} is not {}", density(sample.direction));
+            }
+            // Cells as fine as the regions.
+            let spread =
+                mine.iter().flatten().map(|sample| 0.25 * sample.direction.distance_squared(first.direction));
+            let spread = spread.fold(0.0, f64::max);
+            let directions = Directions { near: 0.1 * spread, ..Directions::even(first.direction) };
+            let chance =
+                directions.probability(mine.iter().map(|sample| Some(sample.as_ref()?.direction)), density);
+            verdict.add(format!("{number}, a = {a}, {:?}", emitter.form), chance);
+            seen += 1;
+        }
+    }
+    assert!(seen > 60, "{seen}");
+    verdict.check();
+}
+
+#[test]
+fn no_place_of_a_light_or_a_receiver_is_too_odd() {
+    let mut random = Random::new(2);
+    for number in 0..300 {
+        let axis = random.direction();
+        let spacetime = (2.0, random.between(-1.0, 1.0), 0.0);
+        let radius = |random: &mut Random| random.log_between(1e-3, 1e6);
+        let along = number % 3 == 0;
+        let place = radius(&mut random) * if along { axis } else { random.direction() };
+        let position = radius(&mut random) * if along { -axis } else { random.direction() };
+        let position = if number % 7 == 0 { place } else { position };
+        let mut scene = lamps(place, radius(&mut random));
+        spin(&mut scene, spacetime, Placement { axis, ..DVec3::ZERO.into() });
+        let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
+        let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
+        let Baked { geometry, materials, environment, .. } = &scene;
+        let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+        let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
+        for _ in 0..20 {
+            let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+            let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
+            let Incoming::Radiance(radiance, density) = sample.light else { panic!("{:?}", sample.light) };
+            assert!(radiance == Vec3::ONE && density > 0.0 && density.is_finite(), "{number}: {density}");
+            assert!((sample.direction.length() - 1.0).abs() < 1e-9, "{number}: {}", sample.direction);
+        }
+    }
+}
+
+/// Compares pictures with and without light sampling of `count` random rooms around spinning holes.
+fn random_rooms(count: u64, spp: u32) {
+    let (mut squares, mut compared, mut number) = (0.0, 0, 0);
+    while compared < count {
+        number += 1;
+        let mut random = Random::new(2000 + number);
+        let twist = [Twist::Flat, Twist::Nothing, Twist::Close][number as usize % 3];
+        let mut scene = room(&mut random, twist, 1.0);
+        let a = [0.9, -0.9, 0.0, 0.998][number as usize % 4];
+        let charge = if number % 5 == 0 { 0.3 } else { 0.0 };
+        let charge = if a * a + charge * charge > 1.0 { 0.0 } else { charge };
+        let placement = Placement { axis: random.direction(), ..(3.0 * random.in_cube()).into() };
+        let r_s = random.between(0.8, 4.0);
+        // Nothing is at rest in the ergosphere.
+        if scene.geometry.radii(placement.center).is_none_or(|(nearest, _)| nearest < 1.1 * r_s) {
+            continue;
+        }
+        spin(&mut scene, (r_s, a, charge), placement);
+        let with = picture(&mut scene, Geodesic, spp / 4, 2 * number + 1);
+        let without = picture(&mut scene, Off, spp, 2 * number);
+        let agreement = Agreement::of(&with, &without);
+        agreement.check(&format!("{number} {twist:?} a = {a}, e = {charge}"));
+        squares += agreement.z.powi(2);
+        compared += 1;
+    }
+    let mean = squares / count as f64;
+    println!("mean square of z {mean:.2}");
+    assert!(mean < 1.5 + 3.0 * (2.0 / count as f64).sqrt(), "{mean}");
+}
+
+#[test]
+fn rooms_with_spinning_holes_look_the_same_with_and_without_light_sampling() {
+    random_rooms(4, 128);
+}
+
+#[test]
+#[ignore = "so little noise takes half an hour: cargo test --release --test it regions -- --ignored --nocapture"]
+fn rooms_with_spinning_holes_look_the_same_to_a_few_permille() {
+    random_rooms(12, 2000);
+}
+
+#[test]
+fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
+    // On the axis of the hole, on either side: light comes from all around.
+    let place = DVec3::new(0.0, -10.0, 0.0);
+    let mut scene = lamps(place, 0.5);
+    spin(&mut scene, (2.0, 0.9, 0.0), DVec3::ZERO.into());
+    let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
+    let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
+    let Baked { geometry, materials, environment, .. } = &scene;
+    let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+    let position = DVec3::new(0.0, 15.0, 0.0);
+    let receiver = Receiver { position, normal: DVec3::NEG_Y, on: PrimitiveId::NONE };
+    let mut random = Random::new(3);
+    let mut azimuths = [0; 8];
+    for _ in 0..4000 {
+        let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+        let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
+        let Target::Surface(primitive, _) = sample.target else { continue };
+        let emitter = lights.emitters().iter().find(|emitter| emitter.primitive == primitive);
+        if emitter
+            .is_some_and(|emitter| matches!(emitter.form, warpfront::light::Form::Whole(Shape::Sphere(_))))
+        {
+            let azimuth = libm::atan2(sample.direction.z, sample.direction.x) / PI;
+            azimuths[((azimuth + 1.0) * 4.0).min(7.9) as usize] += 1;
+        }
+    }
+    let (least, most) = (azimuths.iter().min().unwrap(), azimuths.iter().max().unwrap());
+    assert!(*least > 20 && *most < 4 * least, "{azimuths:?}");
+}
