@@ -89,7 +89,7 @@ fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3
 fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind) -> S) {
     let scene = scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE), &[]).expect(SCENE);
     let mut random = random();
-    let sampler = sampler(scene.spacetime);
+    let sampler = sampler(scene.spacetime.clone());
     let lights = Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, 0.0);
     let places = landings(&scene, &mut random);
     let numbers: Vec<[f64; 4]> = places.iter().map(|_| random.random()).collect();

@@ -34,8 +34,8 @@ pub struct ModelNode {
     pub camera: Option<ModelCamera>,
     /// A light placed here, in this node's space; photometric: candela, or lux if distant.
     pub light: Option<Punctual>,
-    /// Schwarzschild radius of a black hole placed here, in this node's units of length.
-    pub hole: Option<f64>,
+    /// Black hole placed here.
+    pub hole: Option<ModelHole>,
 }
 
 /// A mesh and its material.
@@ -54,4 +54,13 @@ pub struct ModelCamera {
     pub vertical_fov: f64,
     /// Width over height of the picture that it is meant for.
     pub aspect: Option<f64>,
+}
+
+/// A black hole that a node places, its axis along the node's +Y: up in the program that exported it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelHole {
+    /// Schwarzschild radius, in the node's units of length.
+    pub radius: f64,
+    /// Spin a/M.
+    pub spin: f64,
 }

@@ -191,7 +191,7 @@ pub(super) struct StudyArgs {
     /// Spacetime that the rays of --rays are in
     #[arg(
         long,
-        value_parser = rays_table::spacetime(),
+        value_parser = rays_table::spacetime_of_rays(),
         value_name = "NAME",
         default_value = "schwarzschild",
         conflicts_with = "scene"
@@ -306,7 +306,7 @@ pub(super) struct TraceArgs {
     #[arg(value_name = "RAYS.csv")]
     pub(super) rays: PathBuf,
     /// Spacetime that the rays are in
-    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME")]
+    #[arg(long, value_parser = rays_table::spacetime_of_rays(), value_name = "NAME")]
     pub(super) spacetime: &'static Entry,
     /// CSV file to write [default: standard output]
     #[arg(short, long, value_name = "OUT.csv")]
@@ -334,12 +334,12 @@ pub(super) struct TraceArgs {
 }
 
 impl TraceArgs {
-    /// The preset, and the single flags over it.
-    pub(super) fn accuracy(&self) -> Accuracy {
+    /// The preset, a stepper that goes over it, and the single flags over both.
+    pub(super) fn accuracy(&self, stepper: Option<StepperKind>) -> Accuracy {
         let mut settings = Settings::default();
         self.quality.apply(&mut settings);
         Accuracy {
-            stepper: self.stepper.unwrap_or(settings.stepper),
+            stepper: self.stepper.or(stepper).unwrap_or(settings.stepper),
             tolerance: self.tolerance.unwrap_or(settings.tolerance),
             precision: self.precision,
         }

@@ -10,11 +10,12 @@ use super::args::ConnectArgs;
 use super::completion::Completion;
 use super::failure::Failure;
 use super::rays_table::Parameters;
-use super::rowwise::{RowWise, Setup, cell};
+use super::rowwise::{RowWise, Setup};
 use super::table::{TableHeader, line};
 use super::units::{decimal, plural};
 use crate::spacetime::Entry;
 use crate::study::connections::{Joiner, Joint, Joints, PointPair};
+use crate::study::table::number_cell;
 
 /// Columns of the points of a pair; copied, as those of the spacetime.
 const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
@@ -192,18 +193,18 @@ fn results(joint: &Joint) -> [String; RESULTS.len()] {
     let Joint { direction: dx, arrival: dy, .. } = joint;
     [
         joint.winding.to_string(),
-        cell(joint.swept),
-        cell(joint.b),
-        cell(dx.x),
-        cell(dx.y),
-        cell(dx.z),
-        cell(dy.x),
-        cell(dy.y),
-        cell(dy.z),
-        cell(joint.time),
-        cell(joint.spread),
-        cell(joint.reversed_spread),
-        cell(joint.frequency_ratio),
-        cell(joint.swing),
+        number_cell(joint.swept),
+        number_cell(joint.b),
+        number_cell(dx.x),
+        number_cell(dx.y),
+        number_cell(dx.z),
+        number_cell(dy.x),
+        number_cell(dy.y),
+        number_cell(dy.z),
+        number_cell(joint.time),
+        number_cell(joint.spread),
+        number_cell(joint.reversed_spread),
+        number_cell(joint.frequency_ratio),
+        number_cell(joint.swing),
     ]
 }

@@ -12,7 +12,7 @@ use super::completion::Completion;
 use super::cost::{self, Limits};
 use super::failure::Failure;
 use super::memory;
-use super::say::{print, print_json, shown};
+use super::say::{note_stepper, print, print_json, shown};
 use super::stages::{self, Stage};
 use super::units::{plural, rounded};
 use crate::geometry::Counts;
@@ -20,7 +20,8 @@ use crate::light::Punctual;
 use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
 use crate::shade::{Environment, Lobe};
 use crate::spacetime::{
-    ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Sink, SpacetimeKind,
+    ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Side, Sink,
+    SpacetimeKind,
 };
 use crate::study::forecast::Forecast;
 use crate::text::bytes;
@@ -36,6 +37,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Completion, Failure> {
     let options = LoadOptions { size: args.settings.size(), ..args.scene.options()? };
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     args.settings.apply(&mut scene.settings);
+    note_stepper(&mut scene);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     let report = SceneReport::of(args.scene.path.display().to_string(), &scene, &run);
     if args.json {
@@ -131,8 +133,8 @@ impl<'a> SceneReport<'a> {
             spacetime: Spacetime(&scene.spacetime),
             geometry: Shapes::of(scene),
             materials: Materials::of(scene),
-            lights: LightCounts::of(&scene.punctual),
-            environment: environment(&scene.environment),
+            lights: LightCounts::of(scene.punctual().map(|(_, light)| light)),
+            environment: environments(scene),
             camera: CameraReport {
                 position: scene.camera.position.to_array(),
                 forward: scene.camera.forward.to_array(),
@@ -195,6 +197,11 @@ impl Serialize for Spacetime<'_> {
                 map.serialize_entry("horizon", &metric.horizon())?;
                 map.serialize_entry("photon_sphere", &metric.photon_sphere())?;
             }
+            SpacetimeKind::Wormhole { mouths, metric } => {
+                map.serialize_entry("far_center", &mouths.far.to_array())?;
+                map.serialize_entry("far_rotation", &mouths.rotation.to_cols_array_2d())?;
+                map.serialize_entry("throat", &metric.throat())?;
+            }
             SpacetimeKind::Spinning { placement, hole } => {
                 map.serialize_entry("axis", &placement.axis.to_array())?;
                 map.serialize_entry("horizon", &hole.horizon())?;
@@ -224,6 +231,12 @@ impl Spacetime<'_> {
                 point(&center.to_array()),
                 rounded(metric.horizon(), 4),
                 rounded(metric.photon_sphere(), 4)
+            ),
+            SpacetimeKind::Wormhole { mouths, metric } => format!(
+                "{title}{values} at {}, on the far side at {}; isotropic radius of the throat {}",
+                point(&mouths.near.to_array()),
+                point(&mouths.far.to_array()),
+                rounded(metric.throat(), 4)
             ),
             SpacetimeKind::Spinning { placement, hole } => format!(
                 "{title}{values} at {}, axis {}; radii at the equator: horizon {}, ergosphere {}",
@@ -341,8 +354,8 @@ impl Materials {
 }
 
 impl LightCounts {
-    fn of(lights: &[Punctual]) -> Self {
-        lights.iter().fold(Self::default(), |mut counts, light| {
+    fn of<'a>(lights: impl Iterator<Item = &'a Punctual>) -> Self {
+        lights.fold(Self::default(), |mut counts, light| {
             match light {
                 Punctual::Point { .. } => counts.point += 1,
                 Punctual::Spot { .. } => counts.spot += 1,
@@ -367,10 +380,11 @@ impl CameraReport {
 
 impl MemoryReport {
     fn of(scene: &Baked, run: &Run) -> Self {
-        let environment = match &scene.environment {
+        let bytes = |side| match scene.environment(side) {
             Environment::Image(image) => size_of_val(image.pixels.as_slice()),
             _ => 0,
         };
+        let environment = Side::BOTH.map(bytes).iter().sum::<usize>();
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             environment: environment as u64,
@@ -381,6 +395,14 @@ impl MemoryReport {
     fn text(&self) -> String {
         let (geometry, environment, film) = (bytes(self.geometry), bytes(self.environment), bytes(self.film));
         format!("geometry {geometry}, environment {environment}, film {film}")
+    }
+}
+
+fn environments(scene: &Baked) -> String {
+    let near = environment(scene.environment(Side::Near));
+    match scene.spacetime.wormhole() {
+        Some(_) => format!("{near}; on the far side {}", environment(scene.environment(Side::Far))),
+        None => near,
     }
 }
 

@@ -179,10 +179,17 @@ pub(super) fn triple(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// `X,Y,Z,RS`: where a hole is and its Schwarzschild radius, scene units.
-pub(super) fn black_hole(text: &str) -> Result<[f64; 4], String> {
-    numbers(text, |part| finite(part).ok())
-        .filter(|numbers: &[f64; 4]| numbers[3] > 0.0)
-        .ok_or_else(|| "give X,Y,Z,RS in scene units with a radius above 0, such as 0,0,0,1".to_owned())
+pub(super) fn black_hole(text: &str) -> Result<[f64; 5], String> {
+    let number = |part: &str| finite(part).ok();
+    let still = || numbers(text, number).map(|[x, y, z, radius]: [f64; 4]| [x, y, z, radius, 0.0]);
+    numbers(text, number)
+        .or_else(still)
+        .filter(|[.., radius, spin]: &[f64; 5]| *radius > 0.0 && spin.abs() <= 1.0)
+        .ok_or_else(|| {
+            "give X,Y,Z,RS in scene units with a radius above 0, such as 0,0,0,1, and for a hole that spins about +Y its \
+             spin a/M from -1 to 1, such as 0,0,0,1,0.9"
+                .to_owned()
+        })
 }
 
 /// Light from infinity: `sky`, `black`, one number or `R,G,B`, or else the name of a picture.
@@ -290,7 +297,7 @@ mod tests {
     fn good_values_are_read() {
         assert_eq!(size("640x480"), Ok((640, 480)));
         assert_eq!(crop("0, 1,2,3"), Ok([0, 1, 2, 3]));
-        assert_eq!(black_hole("-1,2.5,0,1e-3"), Ok([-1.0, 2.5, 0.0, 1e-3]));
+        assert_eq!(black_hole("-1,2.5,0,1e-3"), Ok([-1.0, 2.5, 0.0, 1e-3, 0.0]));
         assert_eq!(duration("1h30m"), Ok(Duration::from_secs(5400)));
         assert_eq!(duration("90s"), Ok(Duration::from_secs(90)));
         assert_eq!(seed("18446744073709551615"), Ok(u64::MAX));
@@ -310,7 +317,9 @@ mod tests {
         assert!(["0x4", "4x0", "4", "x", "-4x4", "99999999x1", "4x4x4", ""].iter().all(|s| size(s).is_err()));
         assert!(["0,0,0,5", "5,0,4,9", "1,2,3", "1,2,3,4,5", "-1,0,4,4"].iter().all(|s| crop(s).is_err()));
         assert!(
-            ["0,0,0,0", "0,0,0,-1", "0,0,0", "nan,0,0,1", "0,0,inf,1"].iter().all(|s| black_hole(s).is_err())
+            ["0,0,0,0", "0,0,0,1,1.1", "0,0,0,-1", "0,0,0", "nan,0,0,1", "0,0,inf,1"]
+                .iter()
+                .all(|s| black_hole(s).is_err())
         );
         assert!(["0s", "90", "-5s", "soon", ""].iter().all(|s| duration(s).is_err()));
         assert!(["0", "-1e-3", "nan", "inf", "x"].iter().all(|s| positive(s).is_err()));

@@ -9,7 +9,7 @@ use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::overwrite;
-use super::say::{say, say_remarks};
+use super::say::{note_stepper, say, say_remarks};
 use super::units::plural;
 use crate::film::atomic::Output;
 use crate::plot::Format;
@@ -24,6 +24,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<Completion, Failure> {
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse([args.output.as_path()], &options.files.inputs())?;
     args.accuracy.apply(&mut scene.settings);
+    note_stepper(&mut scene);
     say_remarks(&scene);
     let options = FanOptions {
         count: args.count,
@@ -54,6 +55,7 @@ impl From<FanError> for Failure {
             FanError::InsideHorizon => {
                 "give a --from outside the hole; `warpfront info` tells where its horizon is"
             }
+            FanError::InErgosphere => "give a --from outside the ergosphere",
             FanError::UpAlongPlane => {
                 "give an --up that is not 0 and does not point from the start of the fan to the hole"
             }

@@ -6,13 +6,24 @@ use glam::DVec3;
 
 use super::failure::Failure;
 use super::table::TableHeader;
-use crate::spacetime::{Entry, Parameter, SPACETIMES, SpacetimeKind};
-use crate::study::free::FreeRay;
+use crate::spacetime::{Entry, LISTED, Listed, Parameter, SPACETIMES, SpacetimeKind};
+use crate::study::free::{Cells, TableForm};
 
 /// Reads `--spacetime`: a name from the table of all.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
-    let value = |entry: &&Entry| PossibleValue::new(entry.name).help(entry.summary);
-    let names = PossibleValuesParser::new(SPACETIMES.iter().map(value));
+    named(SPACETIMES.iter().copied())
+}
+
+/// Reads `--spacetime` of rays, of which the holes may be in the rows.
+pub(super) fn spacetime_of_rays() -> impl TypedValueParser<Value = &'static Entry> {
+    let in_rows = LISTED.iter().filter(|entry| entry.listed == Some(Listed::Holes));
+    named(SPACETIMES.iter().chain(in_rows).copied())
+}
+
+/// Reads the name of one of these spacetimes.
+fn named(entries: impl Iterator<Item = &'static Entry>) -> impl TypedValueParser<Value = &'static Entry> {
+    let value = |entry: &'static Entry| PossibleValue::new(entry.name).help(entry.summary);
+    let names = PossibleValuesParser::new(entries.map(value));
     names.try_map(|name| Entry::named(&name).ok_or("not a spacetime"))
 }
 
@@ -82,27 +93,33 @@ impl Parameters {
 
 /// Columns that are copied where there are any.
 const LABELS: [&str; 2] = ["id", "kind"];
-/// Columns that describe a ray.
-const RAY: [&str; 7] = ["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"];
-
-/// Columns of a table that are read, and their places.
+/// Which columns of a table are read, and where they are.
 pub(super) struct RayColumns {
     pub(super) header: TableHeader,
     pub(super) spacetime: Parameters,
+    pub(super) form: &'static TableForm,
     /// Those that are copied: labels, then numbers.
     all: Vec<(&'static str, usize)>,
+    /// Places of the columns that describe a ray: [`TableForm::needed`], and [`TableForm::optional`] where there are any.
+    needed: Vec<(&'static str, usize)>,
+    optional: Vec<(&'static str, Option<usize>)>,
 }
 
 impl RayColumns {
     pub(super) fn find(header: &TableHeader, spacetime: &'static Entry) -> Result<Self, Failure> {
+        let form = TableForm::of(spacetime);
         let mut all = Vec::new();
         for label in LABELS {
             all.extend(header.place(label)?.map(|place| (label, place)));
         }
-        let spacetime = Parameters::find(header, spacetime, &RAY)?;
+        let spacetime = Parameters::find(header, spacetime, form.needed)?;
+        let needed = header.all(form.needed)?;
+        let optional = form.optional.iter().map(|&name| Ok((name, header.place(name)?)));
+        let optional = optional.collect::<Result<Vec<_>, Failure>>()?;
         all.extend(spacetime.places());
-        all.extend(header.all(&RAY)?);
-        Ok(Self { header: header.clone(), spacetime, all })
+        all.extend(&needed);
+        all.extend(optional.iter().filter_map(|&(name, place)| Some((name, place?))));
+        Ok(Self { header: header.clone(), spacetime, form, all, needed, optional })
     }
 
     /// Names of the columns that are copied.
@@ -116,17 +133,18 @@ impl RayColumns {
     }
 
     /// The ray of a row.
-    pub(super) fn ray(&self, row: &ByteRecord) -> Result<(SpacetimeKind, FreeRay), Failure> {
+    pub(super) fn ray(&self, row: &ByteRecord) -> Result<(SpacetimeKind, Cells), Failure> {
         let spacetime = self.spacetime.of(&self.header, row)?;
-        let mut ray = [0.0; RAY.len()];
-        for (number, &(name, place)) in ray.iter_mut().zip(&self.all[self.all.len() - RAY.len()..]) {
-            *number = self.header.number(row, name, place)?;
-        }
-        let ray = FreeRay {
-            start: DVec3::from_slice(&ray[0..3]),
-            direction: DVec3::from_slice(&ray[3..6]),
-            r_out: ray[6],
+        let number = |name: &str, place: usize| self.header.number(row, name, place);
+        let maybe = |&(name, place): &(&str, Option<usize>)| match place {
+            Some(place) if row.get(place).is_some_and(|text| !text.is_empty()) => {
+                number(name, place).map(Some)
+            }
+            _ => Ok(None),
         };
-        Ok((spacetime, ray))
+        let needed: Result<Vec<f64>, Failure> =
+            self.needed.iter().map(|&(name, place)| number(name, place)).collect();
+        let optional: Result<Vec<Option<f64>>, Failure> = self.optional.iter().map(maybe).collect();
+        Ok((spacetime, Cells { needed: needed?, optional: optional? }))
     }
 }

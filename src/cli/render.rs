@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::Outputs;
 use super::progress::Meter;
-use super::say::{say, say_remarks};
+use super::say::{note_stepper, say, say_remarks};
 use super::{memory, overwrite, summary};
 use crate::scene::{self, LoadOptions};
 use crate::trace;
@@ -20,6 +20,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<Completion, Failure> {
     let mut scene = scene::load_with(&args.scene.path, &options)?;
     overwrite::refuse(outputs.paths(), &options.files.inputs())?;
     args.settings.apply(&mut scene.settings);
+    note_stepper(&mut scene);
     let run = args.run.resolve(scene.settings.width, scene.settings.height)?;
     memory::check(&scene.settings, &run, &options.files.memory())?;
     say_remarks(&scene);

@@ -162,8 +162,3 @@ fn chunks(
     writer.flush()?;
     Ok(Ok(()))
 }
-
-/// The cell of a number, which reads back exactly.
-pub(super) fn cell(number: f64) -> String {
-    format!("{number:?}")
-}

@@ -6,12 +6,22 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::failure::Failure;
-use crate::scene::Baked;
+use crate::scene::{Baked, Settings, flag_name};
 use crate::text;
 
 /// Lines on stderr, fit for a terminal; unlike `eprintln!` it does not panic when nobody reads them.
 pub(super) fn say(lines: impl Display) {
     let _ = writeln!(io::stderr(), "{}", text::lines(&lines.to_string()));
+}
+
+/// Notes that another stepper stands for the one that is set, where the spacetime does not have that.
+pub(super) fn note_stepper(scene: &mut Baked) {
+    let wanted = scene.settings.stepper;
+    let used = wanted.around(&scene.spacetime);
+    if used != wanted && wanted != Settings::default().stepper {
+        let [used, wanted] = [used, wanted].map(flag_name);
+        scene.notes.push(format!("the stepper is {used}: a spacetime of this kind does not have {wanted}"));
+    }
 }
 
 /// Says what was decided about a scene, and what its files were not understood to the letter for, one line each.

@@ -88,9 +88,10 @@ pub(super) struct ChangeArgs {
     /// Set a value of the scene file; may be given several times [default: none]
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse::assignment)]
     overrides: Vec<String>,
-    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units [default: the scene's spacetime]
-    #[arg(long, value_name = "X,Y,Z,RS", value_parser = parse::black_hole, allow_hyphen_values = true)]
-    black_hole: Option<[f64; 4]>,
+    /// Put a black hole of Schwarzschild radius RS at X,Y,Z, scene units, which spins about +Y by SPIN = a/M from -1 to 1
+    /// [default: the scene's spacetime; SPIN 0]
+    #[arg(long, value_name = "X,Y,Z,RS[,SPIN]", value_parser = parse::black_hole, allow_hyphen_values = true)]
+    black_hole: Option<[f64; 5]>,
     /// Light from everywhere around: a picture, R,G,B, `sky` or `black` [default: the scene's]
     #[arg(long, value_name = "FILE|R,G,B", value_parser = OsStringValueParser::new().try_map(parse::surroundings))]
     environment: Option<Surroundings>,

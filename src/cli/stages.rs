@@ -6,7 +6,7 @@ use super::units::plural;
 use crate::film::Aov;
 use crate::scene::{Background, Baked, LightSampling, StepperKind, flag_name};
 use crate::shade::Material;
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{Side, SpacetimeKind};
 use crate::trace::LightSummary;
 
 /// One stage.
@@ -40,13 +40,7 @@ fn advance(scene: &Baked) -> Stage {
         return stage("advance", false, "flat: straight rays, one query per ray; no marching");
     }
     let settings = &scene.settings;
-    let stepper = match (&scene.spacetime, settings.stepper) {
-        (SpacetimeKind::Indexed(_), StepperKind::Dop853) => StepperKind::Dop853,
-        // In three dimensions it stands for all others.
-        (SpacetimeKind::Indexed(_), _) => StepperKind::Rkn6,
-        (_, stepper) => stepper,
-    };
-    let stepper = flag_name(stepper);
+    let stepper = flag_name(settings.stepper.around(&scene.spacetime));
     stage("advance", true, format!("curved: {stepper} steps of tolerance {:e}", settings.tolerance))
 }
 
@@ -61,7 +55,7 @@ fn intersect(scene: &Baked) -> Stage {
             format!("lines against {}", plural(primitives, "primitive", "primitives")),
         ),
         (_, false) => {
-            let searched = match scene.settings.stepper {
+            let searched = match scene.settings.stepper.around(&scene.spacetime) {
                 StepperKind::Rk4Paper => "lines",
                 _ => "arcs",
             };
@@ -74,13 +68,16 @@ fn intersect(scene: &Baked) -> Stage {
 fn capture(scene: &Baked) -> Stage {
     if scene.spacetime.is_flat() {
         stage("capture", false, "flat: no horizon")
+    } else if scene.spacetime.wormhole().is_some() {
+        stage("capture", false, "no horizon: rays that reach the throat go on on the other side")
     } else {
         stage("capture", true, "rays that fall to the horizon end black")
     }
 }
 
 fn escape(scene: &Baked) -> Stage {
-    match (scene.environment.is_black(), scene.settings.background) {
+    let is_black = Side::BOTH.into_iter().all(|side| scene.environment(side).is_black());
+    match (is_black, scene.settings.background) {
         (true, _) => stage("escape", false, "black environment: rays that leave bring no light"),
         (false, Background::Opaque) => stage("escape", true, "rays that leave bring the environment's light"),
         (false, Background::Transparent) => stage(
@@ -106,9 +103,9 @@ fn scatter(scene: &Baked) -> Stage {
 }
 
 fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
-    let lit = !scene.environment.is_black()
+    let lit = Side::BOTH.into_iter().any(|side| !scene.environment(side).is_black())
         || scene.materials.iter().any(|material| material.emits())
-        || scene.punctual.iter().any(|light| light.emits());
+        || scene.punctual().any(|(_, light)| light.emits());
     if !lit {
         return stage("light", false, "no lights: the picture will be black");
     }
@@ -127,7 +124,11 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
     let way = match (settings.light_sampling, scene.spacetime.is_flat()) {
         (_, true) => "along straight lines".to_owned(),
         (LightSampling::Straight, _) => "along straight lines, wrong here".to_owned(),
-        _ => format!("along geodesics of winding number 0 to {}", settings.max_winding),
+        _ => {
+            let through =
+                if scene.spacetime.wormhole().is_some() { ", through the throat as well" } else { "" };
+            format!("along geodesics of winding number 0 to {}{through}", settings.max_winding)
+        }
     };
     let also = if lights.is_guided { ", and through mirrors and glass as photons came" } else { "" };
     let surfaces = plural(lights.surfaces, "surface", "surfaces");
@@ -152,7 +153,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::geometry::{Geometry, Primitives, Sphere, Surface};
-    use crate::scene::{Camera, Settings};
+    use crate::scene::{Camera, FarLights, Settings};
     use crate::shade::{Environment, Material};
     use crate::trace::{Run, probe};
 
@@ -168,6 +169,7 @@ pub(super) mod tests {
             punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),
             settings: Settings::default(),
+            far: FarLights::default(),
             warnings: Vec::new(),
             notes: Vec::new(),
         }

@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
-
 use super::args::StudyArgs;
 use super::completion::Completion;
 use super::failure::Failure;
@@ -39,7 +37,7 @@ pub(super) fn run(args: &StudyArgs) -> Result<Completion, Failure> {
 fn of_scene(args: &StudyArgs, mut scene: Baked, files: StudyFiles) -> Result<Completion, Failure> {
     scene.settings.arc_tolerance = args.arc_tolerance.or(scene.settings.arc_tolerance);
     let settings = Way::grid(
-        &distinct_or(&args.steppers, StepperKind::value_variants()),
+        &distinct_or(&args.steppers, &[&StepperKind::OF_ORBITS[..], &[StepperKind::Rk4Paper]].concat()),
         &distinct(&args.precisions),
         &distinct_or(&args.tolerances, &TOLERANCES),
         &distinct_or(&args.schedules, &[scene.settings.schedule]),

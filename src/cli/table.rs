@@ -142,12 +142,10 @@ impl TableHeader {
     pub(super) fn refuse(&self, line: u64, error: &InputError) -> Failure {
         let place = match error.input {
             Input::Parameter(column) => &format!("column `{column}`"),
-            Input::Start => "columns `x0`, `y0`, `z0`",
-            Input::Direction => "columns `dx0`, `dy0`, `dz0`",
-            Input::Sphere => "column `r_out`",
+            Input::Columns(columns) => &named(columns),
+            Input::Spacetime => "--spacetime",
             Input::Stepper => "--stepper",
-            Input::X => "columns `x0`, `x1`, `x2`",
-            Input::Y => "columns `y0`, `y1`, `y2`",
+            Input::Precision => "--precision",
             Input::Both => "columns `x0` to `y2`",
         };
         self.at(line, place, &error.cause).help(&error.remedy)
@@ -157,4 +155,10 @@ impl TableHeader {
     pub(super) fn at(&self, line: u64, place: &str, cause: &str) -> Failure {
         Failure::new(format!("`{}`, line {line}, {place}: {cause}", self.table))
     }
+}
+
+/// Names of columns, in words.
+fn named(columns: &[&str]) -> String {
+    let names: Vec<String> = columns.iter().map(|name| format!("`{name}`")).collect();
+    format!("{} {}", if names.len() == 1 { "column" } else { "columns" }, names.join(", "))
 }

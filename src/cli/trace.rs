@@ -1,6 +1,5 @@
 //! `warpfront trace`.
 
-use std::f64::consts::TAU;
 use std::io::Write;
 
 use csv::ByteRecord;
@@ -9,22 +8,17 @@ use super::args::TraceArgs;
 use super::completion::Completion;
 use super::failure::Failure;
 use super::rays_table::RayColumns;
-use super::rowwise::{self, RowWise, Setup};
+use super::rowwise::{RowWise, Setup};
 use super::table::line;
 use super::units::{decimal, plural};
 use crate::scene::flag_name;
-use crate::study::free::{self, Accuracy, Crossing, Exit, FreeRayEnd};
-
-/// Columns that are written.
-const RESULTS: [&str; 17] = [
-    "status", "x1", "y1", "z1", "dx1", "dy1", "dz1", "t", "phi", "revs", "b", "eps", "r_min", "sens",
-    "drift_h", "drift_l", "steps",
-];
+use crate::study::free::{Accuracy, FreeRayEnd, TableForm, Traced};
 
 /// Follows the rays of a table and writes how they end.
 pub(super) fn run(args: &TraceArgs) -> Result<Completion, Failure> {
-    let accuracy = args.accuracy();
-    accuracy.check().map_err(|fault| Failure::new(fault.cause).help(fault.remedy))?;
+    let form = TableForm::of(args.spacetime);
+    let accuracy = args.accuracy(form.stepper);
+    form.check(accuracy.stepper).map_err(|error| Failure::new(error.cause).help(error.remedy))?;
     let setup = Setup {
         input: &args.rays,
         what: ["ray", "rays"],
@@ -47,7 +41,7 @@ struct TraceJob {
 
 impl RowWise for TraceJob {
     type Task = ByteRecord;
-    type Answer = Exit;
+    type Answer = Traced;
 
     fn settings(&self) -> String {
         let Accuracy { stepper, tolerance, precision } = self.accuracy;
@@ -60,23 +54,35 @@ impl RowWise for TraceJob {
     }
 
     fn names(&self) -> Vec<&'static str> {
-        self.columns.names().chain(RESULTS).collect()
+        self.columns
+            .names()
+            .chain(["status"])
+            .chain(self.columns.form.results.iter().copied())
+            .chain(["steps"])
+            .collect()
     }
 
     fn read(&mut self, row: ByteRecord) -> Result<Option<ByteRecord>, Failure> {
         Ok(Some(row))
     }
 
-    fn answer(&self, row: &ByteRecord) -> Result<Exit, Failure> {
+    fn answer(&self, row: &ByteRecord) -> Result<Traced, Failure> {
+        let RayColumns { header, form, .. } = &self.columns;
         let (spacetime, ray) = self.columns.ray(row)?;
-        free::trace(&spacetime, &ray, &self.accuracy)
-            .map_err(|fault| self.columns.header.refuse(line(row), &fault))
+        (form.trace)(&spacetime, &ray, &self.accuracy).map_err(|error| header.refuse(line(row), &error))
     }
 
-    fn write(&mut self, row: &ByteRecord, exit: &Exit, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
+    fn write(
+        &mut self,
+        row: &ByteRecord,
+        ray: &Traced,
+        out: &mut csv::Writer<impl Write>,
+    ) -> csv::Result<()> {
         self.columns.inputs(row).try_for_each(|cell| out.write_field(cell))?;
-        out.write_record(results(exit))?;
-        self.tally.count(exit.status);
+        out.write_field(ray.status.name())?;
+        ray.cells.iter().try_for_each(|cell| out.write_field(cell))?;
+        out.write_record([ray.steps.to_string()])?;
+        self.tally.count(ray.status);
         Ok(())
     }
 
@@ -87,32 +93,6 @@ impl RowWise for TraceJob {
     fn lost(&self) -> usize {
         self.tally.of(FreeRayEnd::is_lost)
     }
-}
-
-/// The cells of [`RESULTS`]; numbers read back exactly.
-fn results(exit: &Exit) -> [String; RESULTS.len()] {
-    let cell = |number: Option<f64>| number.map_or_else(String::new, rowwise::cell);
-    let crossing = exit.crossing.as_ref();
-    let at = |value: fn(&Crossing) -> f64| cell(crossing.map(value));
-    [
-        exit.status.name().to_owned(),
-        at(|c| c.position.x),
-        at(|c| c.position.y),
-        at(|c| c.position.z),
-        at(|c| c.direction.x),
-        at(|c| c.direction.y),
-        at(|c| c.direction.z),
-        at(|c| c.time),
-        at(|c| c.swept),
-        at(|c| c.swept / TAU),
-        cell(Some(exit.b)),
-        cell(exit.eps),
-        cell(exit.r_min),
-        at(|c| c.sens),
-        at(|c| c.drift_h),
-        cell(crossing.and_then(|c| c.drift_l)),
-        exit.steps.to_string(),
-    ]
 }
 
 /// Number of rays by status.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::ray_end::RayEnd;
+use crate::spacetime::Side;
 
 /// Record that one path leaves in its pixel.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +19,10 @@ pub struct Sample<'a> {
 /// End of a camera ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraRay {
-    /// Fate of the ray; all that follows but the length is of a hit only.
+    /// Fate of the ray; all that follows but the side and the length is of a hit only.
     pub fate: RayEnd,
+    /// Side of a wormhole on which it ends, on a surface or at infinity.
+    pub side: Option<Side>,
     /// Coordinate path length, scene units; 0 unless some plane needs it.
     pub length: f64,
     /// World position.

@@ -15,7 +15,8 @@ pub struct Control<R> {
     per_arc_tolerance: R,
     /// Distance between an arc and the curve, relative to the chord, that is as good as none; squared.
     negligible: R,
-    /// Inverse radius of the horizon; infinite without one.
+    /// Inverse radius of the horizon, or of half the throat of a wormhole, which steps may pass a little; infinite without
+    /// either.
     horizon: R,
     /// Inverse radius of the photon sphere; infinite without one.
     photon_sphere: R,
@@ -91,7 +92,7 @@ impl<R: Real> Control<R> {
             tolerance: R::of(tolerance),
             negligible: R::of((NEGLIGIBLE * tolerance) * (NEGLIGIBLE * tolerance)),
             per_arc_tolerance: R::of(1.0 / arc_tolerance),
-            horizon: R::of(1.0 / medium.horizon()),
+            horizon: R::of(1.0 / medium.horizon().max(0.5 * medium.throat())),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
             critical: R::of(medium.critical_impact_parameter()),
         }

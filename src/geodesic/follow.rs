@@ -26,6 +26,8 @@ pub struct Journey<R> {
     pub end: OrbitEnd<R>,
     /// Inverse radius of the point nearest to the centre, if the ray passes one.
     pub periastron: Option<R>,
+    /// True if the ray passes a throat: its end is on the other side, in the chart there.
+    pub passes: bool,
     /// Steps tried.
     pub steps: u32,
 }
@@ -34,12 +36,12 @@ pub struct Journey<R> {
 const MAX_STEPS: u32 = 100_000;
 
 /// Follows a ray of impact parameter `b` from `start` until it crosses the sphere of inverse radius `w_out` outwards
-/// (0 is infinity), falls, or is lost; `each` sees every step that is taken.
+/// (0 is infinity), on either side of a throat, falls, or is lost; `each` sees every step that is taken.
 pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     medium: &M,
     stepper: &S,
     control: &Control<R>,
-    (b, start, fate): (R, Phase<R>, Fate),
+    (b, start, mut fate): (R, Phase<R>, Fate),
     w_out: f64,
     mut each: impl FnMut(&Step<R>),
 ) -> Journey<R> {
@@ -49,7 +51,8 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     let mut swept = zero;
     let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
     let mut previous = R::of(1.0);
-    let mut journey = Journey { end: OrbitEnd::StepLimit, periastron: None, steps: 0 };
+    let mut journey = Journey { end: OrbitEnd::StepLimit, periastron: None, passes: false, steps: 0 };
+    let throat = R::of(1.0 / medium.throat());
     let mut take = |step: &Step<R>, swept: &mut R| {
         each(step);
         *swept = *swept + angle(step);
@@ -57,7 +60,8 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
     };
     while journey.steps < MAX_STEPS {
         let inwards = phase.v > zero;
-        if inwards && fate == Fate::Falls {
+        let falls = inwards && fate == Fate::Falls;
+        if falls && medium.throat() == 0.0 {
             return Journey { end: OrbitEnd::Falls, ..journey };
         }
         if !inwards && phase.w < out {
@@ -76,7 +80,10 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
             continue;
         }
         let cut = |at: &dyn Fn(&Step<R>) -> (R, R)| land(medium, stepper, &step, at);
-        if inwards != (step.end.v > zero) {
+        if falls && step.end.w >= throat {
+            phase = take(&until(medium, stepper, &step, throat), &mut swept).beyond_throat();
+            (fate, journey.passes) = (Fate::Escapes, true);
+        } else if inwards != (step.end.v > zero) {
             // The turning point first: the sphere may be crossed on either side of it.
             let b2 = b * b;
             let turn = cut(&|step| (step.end.v, (step.end.pull - b2 * step.end.w) * step.cos * step.cos));
@@ -88,10 +95,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
                 return Journey { end: OrbitEnd::Falls, ..journey };
             }
         } else if !inwards && step.end.w <= out {
-            let mut exit = cut(&|step| (step.end.w - out, step.end.v * step.cos * step.cos));
-            // Beside a far sphere's inverse radius the rounding of the step is not small.
-            exit.end.w = out;
-            phase = take(&exit, &mut swept);
+            phase = take(&until(medium, stepper, &step, out), &mut swept);
             return Journey { end: OrbitEnd::Crosses(phase, swept), ..journey };
         } else {
             phase = take(&step, &mut swept);
@@ -107,6 +111,19 @@ fn angle<R: Real>(step: &Step<R>) -> R {
     // atan of a number with a derivative: the derivative of the tangent, times the squared cosine.
     let tangent = step.b * step.h;
     R::of(libm::atan(tangent.value())) + (tangent - R::of(tangent.value())) * step.cos * step.cos
+}
+
+/// The part of `step` up to the inverse radius `w`.
+pub fn until<M: ConformallyFlat, R: Real>(
+    medium: &M,
+    stepper: &impl Stepper,
+    step: &Step<R>,
+    w: R,
+) -> Step<R> {
+    let mut part = land(medium, stepper, step, &|step| (step.end.w - w, step.end.v * step.cos * step.cos));
+    // Beside a far sphere's inverse radius the rounding of the step is not small.
+    part.end.w = w;
+    part
 }
 
 /// The part of `step` up to the root of a function that `at` gives with its derivative in h, by Newton's method within

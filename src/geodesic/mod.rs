@@ -25,11 +25,13 @@ pub use arc::{Arc, PlaneArc, fit_arc};
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
+#[cfg(feature = "cli")]
+pub(crate) use field::elapsed_in_field;
 pub use field::{
-    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, at_infinity,
-    follow_field, lane, set_lane,
+    FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldVerdict, alone, follow_field,
 };
-pub use follow::{Journey, OrbitEnd, follow};
+pub(crate) use field::{at_infinity, lane, set_lane};
+pub use follow::{Journey, OrbitEnd, follow, until};
 pub use leapfrog4::Leapfrog4;
 pub use lens::{Connection, Lens, Site};
 pub use orbit::{Launch, Phase, Step};
@@ -38,6 +40,6 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
-pub use space_arc::{SpaceArc, fit_space_arc, halfway};
+pub(crate) use space_arc::{SpaceArc, fit_space_arc, halfway};
 pub use stepper::{StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

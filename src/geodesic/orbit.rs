@@ -179,6 +179,14 @@ impl<R: Real> Phase<R> {
     }
 }
 
+impl<R: Real> Phase<R> {
+    /// The phase of a ray at a throat in the chart of the other side: there the orbit goes on in the same plane, outwards
+    /// as fast as it came inwards.
+    pub fn beyond_throat(self) -> Self {
+        Self { v: -self.v, ..self }
+    }
+}
+
 impl<R: Real> Step<R> {
     /// One step of length `h` in ξ; shorter steps from the same start are its dense output, of the method's own order.
     #[inline(always)]

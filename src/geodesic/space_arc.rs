@@ -12,7 +12,7 @@ use super::Arc;
 
 /// A conic from the origin to the end of a chord.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpaceArc {
+pub(crate) struct SpaceArc {
     /// Middle control point, from the start.
     pub middle: DVec3,
     /// Weight of the middle control point.
@@ -24,18 +24,15 @@ pub struct SpaceArc {
 /// Turn below which a step is fitted with a parabola: the tangents meet too ill-conditioned there.
 const SMALL_TURN: f64 = 1e4 * f64::EPSILON;
 
-impl SpaceArc {
-    /// The arc at its place, given the start and the chord.
-    #[inline(always)]
-    pub fn placed(&self, start: DVec3, chord: DVec3) -> Arc {
-        Arc { p0: start, p1: start + self.middle, p2: start + chord, w: self.weight }
-    }
-}
-
 /// The arc that stands in for the step along `chord` of a curve that goes `through` a point about halfway, given its
 /// first and second derivatives at the start and at the end.
 #[inline(always)]
-pub fn fit_space_arc(chord: DVec3, through: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [DVec3; 2]) -> SpaceArc {
+pub(crate) fn fit_space_arc(
+    chord: DVec3,
+    through: DVec3,
+    [d0, dd0]: [DVec3; 2],
+    [d1, dd1]: [DVec3; 2],
+) -> SpaceArc {
     let length2 = chord.length_squared();
     let (per_d0, per_d1) = (1.0 / d0.length(), 1.0 / d1.length());
     // Across both tangents, as long as the sine of the turn times their lengths.
@@ -91,7 +88,7 @@ pub fn fit_space_arc(chord: DVec3, through: DVec3, [d0, dd0]: [DVec3; 2], [d1, d
 /// The point halfway, from the start, of the quintic that has the derivatives of a curve at both ends of a step by `h` of
 /// its parameter along `chord`.
 #[inline(always)]
-pub fn halfway(h: f64, chord: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [DVec3; 2]) -> DVec3 {
+pub(crate) fn halfway(h: f64, chord: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [DVec3; 2]) -> DVec3 {
     0.5 * chord + (5.0 / 32.0 * h) * (d0 - d1) + (h * h / 64.0) * (dd0 + dd1)
 }
 
@@ -107,7 +104,7 @@ mod tests {
         let ([x0, d0, dd0], [x1, d1, dd1]) = (curve(from), curve(from + h));
         let (start, end) = ([d0, dd0], [d1, dd1]);
         let arc = fit_space_arc(x1 - x0, halfway(h, x1 - x0, start, end), start, end);
-        let placed = arc.placed(x0, x1 - x0);
+        let placed = Arc { p0: x0, p1: x0 + arc.middle, p2: x1, w: arc.weight };
         let distance = |i: u32| {
             let point = curve(from + h * f64::from(i) / 64.0)[0];
             let s = placed.parameter_beside(point);

@@ -59,6 +59,7 @@ impl Geometry {
             counts,
             typical_extent: 0.0,
             near_spheres: Vec::new(),
+            far: None,
         };
         let placings: Vec<Placing> = instances
             .iter()

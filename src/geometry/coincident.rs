@@ -92,6 +92,13 @@ impl Geometry {
 
     /// All other primitives that lie upon `primitive` at one of its points, in the order in which they were given.
     pub fn upon(&self, primitive: PrimitiveId, point: DVec3) -> Vec<PrimitiveId> {
+        let (owner, own) = self.owner(primitive);
+        let mut found = owner.own_upon(own, point);
+        found.iter_mut().for_each(|other| *other = other.on(primitive.side()));
+        found
+    }
+
+    fn own_upon(&self, primitive: PrimitiveId, point: DVec3) -> Vec<PrimitiveId> {
         if let Item::Sphere(i) = self.item(primitive.item)
             && let Some(near) = self.near_spheres.get(i as usize)
             && !near.iter().any(|&other| self.coincide(primitive, other, point))

@@ -9,14 +9,23 @@ use super::{Chord, Geometry, Hit, PrimitiveId, Segment, Triangle};
 use crate::math::columns::Row;
 use crate::math::kernel::widest;
 use crate::math::prefetch::prefetch;
+use crate::spacetime::Side;
 
 impl Geometry {
-    /// The first primitive that `segment` meets; `origin_prim` is the one it starts on.
+    /// The first primitive that `segment` meets on the side of the one it starts on, `origin_prim`.
     ///
     /// Of two primitives met at the very same parameter the one that was given first wins, whatever the order of the
     /// hierarchy.
     #[inline]
     pub fn intersect<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
+        let side = origin_prim.side();
+        let hit = self.of(side)?.own_intersection(segment, origin_prim.on(Side::Near))?;
+        Some(hit.on(side))
+    }
+
+    /// [`Self::intersect`] on the near side.
+    #[inline]
+    pub(super) fn own_intersection<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
         let first = self.first(segment, origin_prim)?;
         let point = segment.point(first.s);
         if origin_prim != PrimitiveId::NONE && self.is_near_start(segment.chord().start, point) {

@@ -11,17 +11,49 @@ use super::bvh::{Bvh, EMPTY};
 use super::distance::Reach;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 use crate::math::columns::{Columns, columns, plain_field};
+use crate::spacetime::Side;
 
-/// Names a primitive; for triangles of an instance both numbers matter.
+/// Names a primitive and the side that it is on; for triangles of an instance both numbers matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PrimitiveId {
+    /// Slot in the top hierarchy of its side, and [`FAR`] on the far side.
     pub(super) item: u32,
     pub(super) triangle: u32,
 }
 
+/// Bit of a primitive on the far side of a wormhole.
+const FAR: u32 = 1 << 31;
+
 impl PrimitiveId {
-    /// No primitive.
-    pub const NONE: PrimitiveId = PrimitiveId { item: u32::MAX, triangle: u32::MAX };
+    /// No primitive, on the near side.
+    pub const NONE: PrimitiveId = PrimitiveId { item: !FAR, triangle: u32::MAX };
+
+    /// No primitive, on a side: the start of a ray in free space.
+    pub fn none_on(side: Side) -> Self {
+        Self::NONE.on(side)
+    }
+
+    /// No primitive, on the side of this one.
+    #[inline(always)]
+    pub fn none_beside(self) -> Self {
+        Self { item: self.item | !FAR, triangle: u32::MAX }
+    }
+
+    /// Side that it is on.
+    #[inline(always)]
+    pub fn side(self) -> Side {
+        if self.item & FAR == 0 { Side::Near } else { Side::Far }
+    }
+
+    /// The primitive of the same slot on a side.
+    #[inline(always)]
+    pub(super) fn on(self, side: Side) -> Self {
+        let bit = match side {
+            Side::Near => 0,
+            Side::Far => FAR,
+        };
+        Self { item: (self.item & !FAR) | bit, triangle: self.triangle }
+    }
 }
 
 plain_field!(PrimitiveId);
@@ -99,6 +131,27 @@ pub struct Counts {
     pub instances: usize,
 }
 
+impl Counts {
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            spheres: self.spheres + other.spheres,
+            disks: self.disks + other.disks,
+            triangles: self.triangles + other.triangles,
+            instanced_triangles: self.instanced_triangles + other.instanced_triangles,
+            meshes: self.meshes + other.meshes,
+            instances: self.instances + other.instances,
+        }
+    }
+}
+
+impl Hit {
+    /// The hit of a side's geometry by itself, on that side.
+    #[inline(always)]
+    pub(super) fn on(self, side: Side) -> Self {
+        Self { primitive: self.primitive.on(side), ..self }
+    }
+}
+
 /// A member of the top hierarchy.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Item {
@@ -153,9 +206,31 @@ pub struct Geometry {
     pub(super) typical_extent: f64,
     /// Primitives near each sphere, which may coincide with it; empty if that is not known.
     pub(super) near_spheres: Vec<Vec<PrimitiveId>>,
+    /// Primitives of the far side of a wormhole; to itself, each side is the near one.
+    pub(super) far: Option<Box<Geometry>>,
 }
 
 impl Geometry {
+    /// Adds the geometry of the far side of a wormhole.
+    pub fn with_far(self, far: Geometry) -> Self {
+        Self { far: Some(Box::new(far)), ..self }
+    }
+
+    /// Geometry of a side by itself; `None` if there is none on the far side.
+    #[inline(always)]
+    pub fn of(&self, side: Side) -> Option<&Self> {
+        match side {
+            Side::Near => Some(self),
+            Side::Far => self.far.as_deref(),
+        }
+    }
+
+    /// Geometry that a primitive is of, and the primitive's name in that geometry by itself.
+    #[inline(always)]
+    pub(super) fn owner(&self, primitive: PrimitiveId) -> (&Self, PrimitiveId) {
+        (self.of(primitive.side()).unwrap_or(self), primitive.on(Side::Near))
+    }
+
     /// Item in a slot of the top hierarchy.
     #[inline(always)]
     pub(super) fn item(&self, slot: u32) -> Item {
@@ -184,6 +259,12 @@ impl Geometry {
 
     /// Every primitive tested against `segment`, without a BVH: the oracle for [`Self::intersect`].
     pub fn intersect_brute_force<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
+        let side = origin_prim.side();
+        let hit = self.of(side)?.brute_force(segment, origin_prim.on(Side::Near))?;
+        Some(hit.on(side))
+    }
+
+    fn brute_force<S: Segment>(&self, segment: &S, origin_prim: PrimitiveId) -> Option<Hit> {
         let segment = &segment.shifted(-self.origin);
         let mut nearest: Option<Hit> = None;
         let mut consider = |s: f64, primitive: PrimitiveId| {
@@ -227,6 +308,11 @@ impl Geometry {
 
     /// The supporting surface of a primitive, in the world.
     pub fn support(&self, primitive: PrimitiveId) -> SupportingSurface {
+        let (owner, primitive) = self.owner(primitive);
+        owner.own_support(primitive)
+    }
+
+    fn own_support(&self, primitive: PrimitiveId) -> SupportingSurface {
         match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let Sphere { center, radius } = self.spheres[i as usize].0;
@@ -257,7 +343,12 @@ impl Geometry {
 
     /// True if a world point of a primitive's supporting surface lies on the primitive itself.
     pub fn covers(&self, primitive: PrimitiveId, point: DVec3) -> bool {
-        let point = point - self.origin;
+        let (owner, primitive) = self.owner(primitive);
+        owner.own_covers(primitive, point - owner.origin)
+    }
+
+    /// [`Self::covers`] for a point relative to the origin.
+    fn own_covers(&self, primitive: PrimitiveId, point: DVec3) -> bool {
         match self.item(primitive.item) {
             Item::Sphere(_) => true,
             Item::Disk(i) => self.disks[i as usize].0.holds(point),
@@ -273,7 +364,12 @@ impl Geometry {
 
     /// The surface of `primitive` at the world point `point`.
     pub fn surface_point(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
-        let point = point - self.origin;
+        let (owner, primitive) = self.owner(primitive);
+        owner.own_surface_point(primitive, point - owner.origin)
+    }
+
+    /// [`Self::surface_point`] at a point relative to the origin.
+    fn own_surface_point(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
         match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let (sphere, surface) = &self.spheres[i as usize];
@@ -329,15 +425,17 @@ impl Geometry {
 
     /// Material and entity of `primitive`.
     pub fn surface(&self, primitive: PrimitiveId) -> Surface {
-        match self.item(primitive.item) {
-            Item::Sphere(i) => self.spheres[i as usize].1,
-            Item::Disk(i) => self.disks[i as usize].1,
-            Item::Triangle(number) => self.placed[self.single(number).instance as usize].surface,
-            Item::Instance(i) => self.placed[i as usize].surface,
+        let (owner, primitive) = self.owner(primitive);
+        match owner.item(primitive.item) {
+            Item::Sphere(i) => owner.spheres[i as usize].1,
+            Item::Disk(i) => owner.disks[i as usize].1,
+            Item::Triangle(number) => owner.placed[owner.single(number).instance as usize].surface,
+            Item::Instance(i) => owner.placed[i as usize].surface,
         }
     }
 
-    /// Smallest and largest distance of any primitive from the world point `from`; `None` without primitives.
+    /// Smallest and largest distance of any primitive of the near side from the world point `from`; `None` without
+    /// primitives.
     pub fn radii(&self, from: DVec3) -> Option<(f64, f64)> {
         let from = from - self.origin;
         let order = self.bvh.order();
@@ -347,6 +445,14 @@ impl Geometry {
             .map(|slot| self.reach(slot, from))
             .reduce(|| Reach::NOTHING, Reach::union);
         (!order.is_empty()).then_some((reach.nearest, reach.farthest))
+    }
+
+    /// Entity of a primitive that comes nearer than `radius` to the world point `from`, on the near side.
+    pub fn entity_within(&self, from: DVec3, radius: f64) -> Option<u32> {
+        let from = from - self.origin;
+        let is_within = |slot: &u32| self.reach(*slot, from).nearest < radius;
+        let slot = self.members().map(|(slot, _)| slot).find(is_within)?;
+        Some(self.surface(PrimitiveId { item: slot, triangle: 0 }).entity)
     }
 
     /// Smallest and largest distance of a member of the top hierarchy from a point relative to the origin.
@@ -367,19 +473,19 @@ impl Geometry {
         reaches.fold(Reach::NOTHING, Reach::union)
     }
 
-    /// World bounds of everything; `None` without primitives.
+    /// World bounds of everything on the near side; `None` without primitives.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         self.bvh.bounds().map(|(min, max)| (min + self.origin, max + self.origin))
     }
 
-    /// Median size of what a ray can hit, scene units.
+    /// Median size of what a ray can hit on the near side, scene units.
     pub fn typical_extent(&self) -> f64 {
         self.typical_extent
     }
 
-    /// Numbers of primitives, meshes and instances.
+    /// Numbers of primitives, meshes and instances on both sides.
     pub fn counts(&self) -> Counts {
-        self.counts
+        self.far.as_ref().map_or(self.counts, |far| self.counts.plus(&far.counts))
     }
 
     /// Heap memory of primitives and hierarchies, bytes.
@@ -390,6 +496,7 @@ impl Geometry {
             + self.triangles.memory_bytes()
             + self.meshes.iter().map(Mesh::memory_bytes).sum::<usize>()
             + self.shared.iter().flatten().map(shared).sum::<usize>()
+            + self.far.as_ref().map_or(0, |far| far.memory_bytes())
     }
 }
 

@@ -14,6 +14,7 @@ use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
+use crate::spacetime::Side;
 
 /// Something found along a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,14 @@ pub struct Search<S: SideBySide> {
     /// The first crossing, by lane; nothing for what is not to be searched as a whole.
     pub found: Vec<Option<Found>>,
     few: SmallScene,
+    part: SideQueries<S>,
+}
+
+/// The queries on one side of a wormhole.
+struct SideQueries<S: SideBySide> {
+    lanes: Vec<usize>,
+    queries: Columns<Query<S>>,
+    found: Vec<Option<Found>>,
 }
 
 /// Interleaved traversals: enough that what the next of them visits has come when it is its turn. Measured.
@@ -38,14 +47,44 @@ const TURNS: usize = 8;
 
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
-        Self { queries: Columns::default(), found: Vec::new(), few: SmallScene::default() }
+        let part = SideQueries { lanes: Vec::new(), queries: Columns::default(), found: Vec::new() };
+        Self { queries: Columns::default(), found: Vec::new(), few: SmallScene::default(), part }
     }
 }
 
 impl Geometry {
-    /// Searches the first `lanes` queries of `search`.
+    /// Searches the first `lanes` queries of `search`, each on the side of the primitive that it starts on.
     pub fn search_all<S: SideBySide>(&self, search: &mut Search<S>, lanes: usize) {
-        let Search { queries, found, few } = search;
+        let Search { queries, found, few, part } = search;
+        if self.far.is_none() {
+            return self.search_own(queries, found, few, lanes);
+        }
+        found.clear();
+        found.resize(lanes, None);
+        for side in Side::BOTH {
+            let Some(geometry) = self.of(side) else { continue };
+            let is_on = |query: &Query<S>| query.need == Need::Whole && query.origin_prim.side() == side;
+            part.lanes.clear();
+            part.lanes.extend((0..lanes).filter(|&lane| is_on(&queries.get(lane))));
+            part.queries.gather(part.lanes.len(), |i| {
+                let query = queries.get(part.lanes[i]);
+                Query { origin_prim: query.origin_prim.on(Side::Near), ..query }
+            });
+            geometry.search_own(&part.queries, &mut part.found, few, part.lanes.len());
+            for (&lane, hit) in part.lanes.iter().zip(&part.found) {
+                found[lane] = hit.map(|hit| Found { primitive: hit.primitive.on(side), ..hit });
+            }
+        }
+    }
+
+    /// Searches the first `lanes` of `queries` on the near side.
+    fn search_own<S: SideBySide>(
+        &self,
+        queries: &Columns<Query<S>>,
+        found: &mut Vec<Option<Found>>,
+        few: &mut SmallScene,
+        lanes: usize,
+    ) {
         found.clear();
         found.resize(lanes, None);
         if self.is_small::<S>() {
@@ -72,7 +111,7 @@ impl Geometry {
     #[cold]
     #[inline(never)]
     fn found_near_start<S: SideBySide>(&self, query: &Query<S>) -> Option<Found> {
-        let Hit { s, primitive } = self.intersect(&query.segment, query.origin_prim)?;
+        let Hit { s, primitive } = self.own_intersection(&query.segment, query.origin_prim)?;
         Some(Found { point: query.segment.point(s), primitive })
     }
 }

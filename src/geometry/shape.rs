@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::scene::{Item, Placed, SharedMesh};
 use super::{Disk, Geometry, PrimitiveId, Sphere, Surface};
+use crate::spacetime::Side;
 
 /// The shape of a primitive, world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +42,15 @@ impl Shape {
 }
 
 impl Geometry {
-    /// The primitives whose surface is `wanted`, with their shapes; each triangle of each instance counts.
+    /// The primitives of both sides whose surface is `wanted`, with their shapes; each triangle of each instance counts.
     pub fn shapes(&self, wanted: impl Fn(&Surface) -> bool) -> Vec<(PrimitiveId, Shape, Surface)> {
+        let mut shapes = self.own_shapes(&wanted);
+        let far = self.far.iter().flat_map(|far| far.own_shapes(&wanted));
+        shapes.extend(far.map(|(primitive, shape, surface)| (primitive.on(Side::Far), shape, surface)));
+        shapes
+    }
+
+    fn own_shapes(&self, wanted: impl Fn(&Surface) -> bool) -> Vec<(PrimitiveId, Shape, Surface)> {
         let mut shapes = Vec::new();
         for (slot, item) in self.members() {
             let id = |triangle: u32| PrimitiveId { item: slot, triangle };

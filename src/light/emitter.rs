@@ -103,7 +103,7 @@ pub enum Standpoint {
     Inside,
     /// On its outer side.
     Upon,
-    /// Apart from it; anywhere, if the emitter is no sphere.
+    /// Apart from it, or on the other side of a wormhole; anywhere, if the emitter is no sphere.
     Apart,
 }
 
@@ -181,6 +181,9 @@ impl Emitter {
     /// side that it looks to: its distance from the centre is the radius but for rounding.
     pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
         let Some(sphere) = self.sphere() else { return Standpoint::Apart };
+        if receiver.on.side() != self.primitive.side() {
+            return Standpoint::Apart;
+        }
         let from = receiver.position - sphere.center;
         let excess = from.length_squared() / (sphere.radius * sphere.radius) - 1.0;
         if receiver.on != self.primitive && excess.abs() > ON {

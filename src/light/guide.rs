@@ -15,10 +15,13 @@ use glam::{DMat2, DVec2, DVec3};
 
 use crate::math::frame::tangents;
 use crate::math::sin_cos_turns;
+use crate::spacetime::Side;
 
 /// A photon where it landed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
+    /// Side of a wormhole on which it landed.
+    pub side: Side,
     /// World position.
     pub position: DVec3,
     /// Unit normal on the side that it came from.

@@ -1,6 +1,7 @@
 //! All lights of a scene, and the choice of one of them.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
@@ -11,6 +12,7 @@ use super::sky::Sky;
 use super::tree::{Emission, Tree};
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::shade::{Environment, Material};
+use crate::spacetime::{Mouths, Side};
 
 /// All light that can be sampled.
 pub struct Lights {
@@ -18,16 +20,43 @@ pub struct Lights {
     emitters: Vec<Emitter>,
     /// Index of the emitter that a primitive is.
     by_primitive: HashMap<PrimitiveId, u32>,
-    /// Punctual lights in the world.
-    points: Vec<Punctual>,
+    /// Punctual lights in the world, with their sides.
+    points: Vec<(Side, Punctual)>,
     /// Punctual lights at infinity.
-    distant: Vec<Punctual>,
-    /// A bright picture at infinity.
-    sky: Option<Sky>,
+    distant: Vec<(Side, Punctual)>,
+    /// Bright pictures at infinity.
+    skies: Vec<(Side, Sky)>,
     /// Over `emitters`, then `points`.
     tree: Tree,
+    /// The same for receivers on the far side of a wormhole.
+    far_tree: Tree,
+    /// Throat through which the lights of the other side are seen.
+    throat: Option<Transmission>,
     /// Least orientation factor of the tree.
     floor: f64,
+}
+
+/// Throat of a wormhole, as a light tree sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Transmission {
+    /// Its centres on both sides.
+    pub mouths: Mouths,
+    /// Isotropic radius.
+    pub radius: f64,
+    /// Impact parameter below which rays pass.
+    pub critical: f64,
+}
+
+impl Transmission {
+    /// The emission of the other side as it comes out of the mouth on `side`. A pencil of radial rays from R to R′ beyond
+    /// spreads to (π R R′/b_c)² times its solid angle.
+    fn transmits(&self, side: Side, emission: Emission) -> Emission {
+        let (center, beyond) = (self.mouths.center(side), self.mouths.center(side.other()));
+        let distance = (0.5 * (emission.min + emission.max)).distance(beyond).max(self.radius);
+        let power = emission.power * (self.critical / (PI * distance)).powi(2);
+        let (min, max) = (center - self.radius, center + self.radius);
+        Emission { min, max, power, axis: DVec3::Z, cos_normals: -1.0, ..emission }
+    }
 }
 
 /// A light that was chosen, and the probability of the choice.
@@ -35,15 +64,16 @@ pub(super) enum ChosenLight<'a> {
     /// A surface.
     Surface(&'a Emitter, f64),
     /// A punctual light in the world, with its index.
-    Point(&'a Punctual, u32, f64),
+    Point(Side, &'a Punctual, u32, f64),
     /// A punctual light at infinity; the inverse of the probability.
-    Distant(&'a Punctual, f64),
-    /// The picture at infinity.
-    Sky(&'a Sky, f64),
+    Distant(Side, &'a Punctual, f64),
+    /// A picture at infinity.
+    Sky(Side, &'a Sky, f64),
 }
 
 impl Lights {
-    /// The lights of a scene; `floor` is the tree's: 0 where rays are straight.
+    /// The lights of a scene, surfaces of both sides of a wormhole and what else is on the near one; `floor` is the tree's:
+    /// 0 where rays are straight.
     pub fn new(
         geometry: &Geometry,
         materials: &[Material],
@@ -61,14 +91,12 @@ impl Lights {
                 Emitter { primitive, form, radiance: emission, both_sides: emits_both_sides }
             })
             .collect();
-        let (distant, points): (Vec<_>, Vec<_>) =
-            punctual.iter().partition(|light| light.position().is_none());
-        let sky = match environment {
-            Environment::Image(image) => Sky::new(image),
-            _ => None,
-        };
-        let (by_primitive, tree) = (HashMap::new(), Tree::default());
-        let mut lights = Self { emitters, by_primitive, points, distant, sky, tree, floor };
+        let (by_primitive, tree, far_tree) = (HashMap::new(), Tree::default(), Tree::default());
+        let (points, distant, skies) = (Vec::new(), Vec::new(), Vec::new());
+        let throat = None;
+        let mut lights =
+            Self { emitters, by_primitive, points, distant, skies, tree, far_tree, throat, floor };
+        lights.add(Side::Near, environment, punctual);
         lights.build_tree();
         let indices = lights.emitters.iter().zip(0..);
         // Afterwards: what the tree is built from is as large.
@@ -76,14 +104,63 @@ impl Lights {
         lights
     }
 
+    /// Adds the sky and the punctual lights of a wormhole's far side.
+    pub fn with_far(mut self, environment: &Environment, punctual: &[Punctual]) -> Self {
+        if self.add(Side::Far, environment, punctual) {
+            self.build_tree();
+        }
+        self
+    }
+
+    /// The lights of two worlds that a throat joins.
+    pub fn through(self, throat: Transmission) -> Self {
+        let mut lights = Self { throat: Some(throat), ..self };
+        lights.build_tree();
+        lights
+    }
+
+    /// Adds a sky and punctual lights; true if some are for the tree.
+    fn add(&mut self, side: Side, environment: &Environment, punctual: &[Punctual]) -> bool {
+        let (distant, points): (Vec<Punctual>, Vec<_>) =
+            punctual.iter().partition(|light| light.position().is_none());
+        self.distant.extend(distant.into_iter().map(|light| (side, light)));
+        if let Environment::Image(image) = environment {
+            self.skies.extend(Sky::new(image).map(|sky| (side, sky)));
+        }
+        let before = self.points.len();
+        self.points.extend(points.into_iter().map(|light| (side, light)));
+        self.points.len() > before
+    }
+
     fn build_tree(&mut self) {
-        let points: Vec<Emission> = self.points.iter().filter_map(Punctual::emission).collect();
+        let points: Vec<(Side, Emission)> =
+            self.points.iter().filter_map(|(side, light)| Some((*side, light.emission()?))).collect();
         let surfaces = self.emitters.len();
         let emission = |index: u32| match self.emitters.get(index as usize) {
-            Some(emitter) => emitter.emission(),
+            Some(emitter) => (emitter.primitive.side(), emitter.emission()),
             None => points[index as usize - surfaces],
         };
-        self.tree = Tree::build((surfaces + points.len()) as u32, emission, self.floor);
+        let count = (surfaces + points.len()) as u32;
+        let Some(throat) = self.throat else {
+            self.tree = Tree::build(count, |index| emission(index).1, self.floor);
+            return;
+        };
+        let seen_from = |side| {
+            let emission = |index| match emission(index) {
+                (of, emission) if of == side => emission,
+                (_, emission) => throat.transmits(side, emission),
+            };
+            Tree::build(count, emission, self.floor)
+        };
+        (self.tree, self.far_tree) = (seen_from(Side::Near), seen_from(Side::Far));
+    }
+
+    /// The tree for receivers on a side.
+    fn tree(&self, side: Side) -> &Tree {
+        match (side, self.throat) {
+            (Side::Far, Some(_)) => &self.far_tree,
+            (Side::Near, _) | (Side::Far, None) => &self.tree,
+        }
     }
 
     /// Limits the points on spheres to the parts `cap` gives for them, if any.
@@ -104,7 +181,7 @@ impl Lights {
 
     /// True if there is nothing to sample.
     pub fn is_empty(&self) -> bool {
-        self.tree.is_empty() && self.distant.is_empty() && self.sky.is_none()
+        self.tree.is_empty() && self.distant.is_empty() && self.skies.is_empty()
     }
 
     /// Surfaces that emit.
@@ -114,7 +191,7 @@ impl Lights {
 
     /// True if a sky is sampled, which BSDF sampling can find, too.
     pub fn has_sky(&self) -> bool {
-        self.sky.is_some()
+        !self.skies.is_empty()
     }
 
     /// True if there are punctual lights in the world.
@@ -122,14 +199,15 @@ impl Lights {
         !self.points.is_empty()
     }
 
-    /// Position of the punctual light with this index.
-    pub fn point(&self, index: u32) -> Option<DVec3> {
-        self.points.get(index as usize)?.position()
+    /// Side and position of the punctual light with this index.
+    pub fn point(&self, index: u32) -> Option<(Side, DVec3)> {
+        let (side, light) = self.points.get(index as usize)?;
+        Some((*side, light.position()?))
     }
 
-    /// Probabilities of the kinds of light: in the world, distant, the sky.
+    /// Probabilities of the kinds of light: in the world, distant, the skies.
     fn shares(&self) -> [f64; 3] {
-        let is_there = [!self.tree.is_empty(), !self.distant.is_empty(), self.sky.is_some()];
+        let is_there = [!self.tree.is_empty(), !self.distant.is_empty(), !self.skies.is_empty()];
         let share = 1.0 / is_there.iter().filter(|is_there| **is_there).count().max(1) as f64;
         is_there.map(|is_there| if is_there { share } else { 0.0 })
     }
@@ -138,22 +216,33 @@ impl Lights {
     pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenLight<'_>> {
         let [in_world, distant, sky] = self.shares();
         if u < in_world {
-            let (index, pmf, _) = self.tree.sample(receiver.position, Some(receiver.normal), u / in_world)?;
+            let (index, pmf, _) = self.tree(receiver.on.side()).sample(
+                receiver.position,
+                Some(receiver.normal),
+                u / in_world,
+            )?;
             let pmf = in_world * pmf;
             return Some(match self.emitters.get(index as usize) {
                 Some(emitter) => ChosenLight::Surface(emitter, pmf),
                 None => {
                     let point = index - self.emitters.len() as u32;
-                    ChosenLight::Point(&self.points[point as usize], point, pmf)
+                    let (side, light) = &self.points[point as usize];
+                    ChosenLight::Point(*side, light, point, pmf)
                 }
             });
         }
+        let among = |count: usize, u: f64| ((u * count as f64) as usize).min(count - 1);
         if u < in_world + distant {
             let count = self.distant.len();
-            let index = (((u - in_world) / distant * count as f64) as usize).min(count - 1);
-            return Some(ChosenLight::Distant(&self.distant[index], count as f64 / distant));
+            let (side, light) = &self.distant[among(count, (u - in_world) / distant)];
+            return Some(ChosenLight::Distant(*side, light, count as f64 / distant));
         }
-        Some(ChosenLight::Sky(self.sky.as_ref()?, sky))
+        let count = self.skies.len();
+        if count == 0 {
+            return None;
+        }
+        let (side, picture) = &self.skies[among(count, (u - in_world - distant) / sky)];
+        Some(ChosenLight::Sky(*side, picture, sky / count as f64))
     }
 
     /// The emitter that a primitive is, with its index.
@@ -164,11 +253,13 @@ impl Lights {
 
     /// Probability with which [`Self::choose`] chooses the emitter with this index.
     pub(super) fn emitter_pmf(&self, index: u32, receiver: &Receiver) -> f64 {
-        self.shares()[0] * self.tree.probability(index, receiver.position, Some(receiver.normal))
+        let tree = self.tree(receiver.on.side());
+        self.shares()[0] * tree.probability(index, receiver.position, Some(receiver.normal))
     }
 
-    /// The sky, with the probability with which [`Self::choose`] chooses it.
-    pub(super) fn sky(&self) -> Option<(&Sky, f64)> {
-        Some((self.sky.as_ref()?, self.shares()[2]))
+    /// The sky of a side, with the probability with which [`Self::choose`] chooses it.
+    pub(super) fn sky(&self, side: Side) -> Option<(&Sky, f64)> {
+        let (_, sky) = self.skies.iter().find(|(of, _)| *of == side)?;
+        Some((sky, self.shares()[2] / self.skies.len() as f64))
     }
 }

@@ -26,7 +26,7 @@ pub use aim::straight::StraightAim;
 pub use aim::{Aim, Approach, Link};
 pub use emitter::{Cap, Emitter, Extent, Form, Spot, Standpoint, View};
 pub use guide::{Guide, Neighbourhood, Photon};
-pub use lights::Lights;
+pub use lights::{Lights, Transmission};
 pub use mis::Heuristic;
 pub use punctual::Punctual;
 pub use receiver::Receiver;

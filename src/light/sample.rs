@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::PrimitiveId;
+use crate::spacetime::{AtInfinity, Side};
 
 /// End that a light ray must have to bring its light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,8 +15,8 @@ pub enum Target {
     Surface(PrimitiveId, DVec3),
     /// Any emitter behind mirrors and glass.
     ThroughSpecular,
-    /// Infinity.
-    Infinity,
+    /// Infinity on a side.
+    Infinity(Side),
     /// A punctual light in the world, by its index.
     Point(u32),
 }
@@ -36,8 +37,8 @@ pub struct LightSample {
 pub enum Incoming {
     /// Radiance, and the density of its direction in solid angle: BSDF sampling can find it, too.
     Radiance(Vec3, f64),
-    /// Radiance of the sky in a unit direction at infinity, and the density of the direction here in solid angle.
-    Sky(DVec3, f64),
+    /// Radiance of the sky at a point at infinity, and the density of the direction here in solid angle.
+    Sky(AtInfinity, f64),
     /// Irradiance of a punctual light on a surface that faces it, divided by the probability of the sample.
     Irradiance(Vec3),
 }

@@ -17,6 +17,7 @@ use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
+use crate::spacetime::{AtInfinity, Side};
 
 /// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
 /// generic over aims.
@@ -35,22 +36,29 @@ pub trait LightSampler: Send + Sync {
     ) -> f64;
 
     /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and goes to infinity
-    /// in the direction `at_infinity`.
-    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64;
+    /// `there`.
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64;
 
     /// True if a light ray that lands there has reached its target.
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
+
+    /// True if punctual lights and the sky are sampled, not surfaces alone.
+    fn samples_all(&self) -> bool;
 }
 
 impl<A: Aim> LightSampler for A {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
         let choice = lights.choose(receiver, u0)?;
-        let x = self.place(receiver.position);
+        let x = self.place(receiver.on.side(), receiver.position);
         match choice {
             ChosenLight::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
-            ChosenLight::Point(light, index, pmf) => sample_point(self, &x, (light, index, pmf), u[0]),
-            ChosenLight::Distant(light, inverse_pmf) => sample_distant(self, &x, (light, inverse_pmf), u[0]),
-            ChosenLight::Sky(sky, pmf) => sample_sky(self, &x, (sky, pmf), u),
+            ChosenLight::Point(side, light, index, pmf) => {
+                sample_point(self, &x, (side, light, index, pmf), u[0])
+            }
+            ChosenLight::Distant(side, light, inverse_pmf) => {
+                sample_distant(self, &x, (side, light, inverse_pmf), u[0])
+            }
+            ChosenLight::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), u),
         }
     }
 
@@ -70,28 +78,33 @@ impl<A: Aim> LightSampler for A {
         if pmf == 0.0 {
             return 0.0;
         }
-        let (x, y) = (self.place(receiver.position), self.place(hit.position));
+        let side = hit.primitive.side();
+        let (x, y) = (self.place(receiver.on.side(), receiver.position), self.place(side, hit.position));
         let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, hit.arrival) else {
             return 0.0;
         };
-        let middle = self.place(emitter.middle());
+        let middle = self.place(side, emitter.middle());
         let winding_pmf = self.pmf(&x, &middle, winding);
         let view = view(self, (emitter, standpoint), &x, &middle, winding);
         finite(pmf * winding_pmf * emitter.density(&view, hit.normal) / (geometry_factor * cos.abs()))
     }
 
-    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, at_infinity: DVec3) -> f64 {
-        let Some((sky, pmf)) = lights.sky() else { return 0.0 };
-        let (x, y) = (self.place(receiver.position), self.infinity(at_infinity));
-        let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, at_infinity) else {
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64 {
+        let Some((sky, pmf)) = lights.sky(there.side) else { return 0.0 };
+        let (x, y) = (self.place(receiver.on.side(), receiver.position), self.infinity(there));
+        let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, there.direction) else {
             return 0.0;
         };
-        finite(pmf * sky.density(at_infinity) * self.pmf(&x, &y, winding) / geometry_factor)
+        finite(pmf * sky.density(there.direction) * self.pmf(&x, &y, winding) / geometry_factor)
     }
 
     fn reaches(&self, _: &Lights, target: Target, end: &LightRayEnd) -> bool {
         let Target::Surface(wanted, at) = target else { return false };
-        end.primitive == wanted && self.is_reached(at, end.position)
+        end.primitive == wanted && self.is_reached(wanted.side(), at, end.position)
+    }
+
+    fn samples_all(&self) -> bool {
+        true
     }
 }
 
@@ -101,12 +114,13 @@ fn sample_emitter<A: Aim>(
     (emitter, pmf): (&Emitter, f64),
     [u, v, w]: [f64; 3],
 ) -> Option<LightSample> {
-    let middle = aim.place(emitter.middle());
+    let side = emitter.primitive.side();
+    let middle = aim.place(side, emitter.middle());
     let (winding, winding_pmf) = choose_winding(aim, x, &middle, u)?;
     let standpoint = emitter.standpoint(receiver);
     let view = view(aim, (emitter, standpoint), x, &middle, winding);
     let spot = emitter.sample(&view, v, w)?;
-    let link = aim.link(x, &aim.place(spot.position), winding)?;
+    let link = aim.link(x, &aim.place(side, spot.position), winding)?;
     let cos = -link.arrival.dot(spot.normal);
     if !emitter.is_lit_by(cos, standpoint) {
         return None;
@@ -122,10 +136,10 @@ fn sample_emitter<A: Aim>(
 fn sample_point<A: Aim>(
     aim: &A,
     x: &A::Place,
-    (light, index, pmf): (&Punctual, u32, f64),
+    (side, light, index, pmf): (Side, &Punctual, u32, f64),
     u: f64,
 ) -> Option<LightSample> {
-    let y = aim.place(light.position()?);
+    let y = aim.place(side, light.position()?);
     let (link, winding_pmf) = choose_link(aim, x, &y, u)?;
     // Intensities are those of the light's own frame.
     let geometry_factor = link.geometry_factor / aim.area_scale(&y);
@@ -137,26 +151,27 @@ fn sample_point<A: Aim>(
 fn sample_distant<A: Aim>(
     aim: &A,
     x: &A::Place,
-    (light, inverse_pmf): (&Punctual, f64),
+    (side, light, inverse_pmf): (Side, &Punctual, f64),
     u: f64,
 ) -> Option<LightSample> {
     let travel = light.direction()?;
-    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(-travel), u)?;
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(AtInfinity { side, direction: -travel }), u)?;
     let irradiance = light.intensity_towards(travel) * inverse_pmf as f32;
     let light = Incoming::Irradiance(irradiance * (link.geometry_factor / winding_pmf) as f32);
-    Some(LightSample { direction: link.direction, target: Target::Infinity, light })
+    Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
 }
 
 fn sample_sky<A: Aim>(
     aim: &A,
     x: &A::Place,
-    (sky, pmf): (&Sky, f64),
+    (side, sky, pmf): (Side, &Sky, f64),
     [u, v, w]: [f64; 3],
 ) -> Option<LightSample> {
-    let (at_infinity, density) = sky.sample(v, w)?;
-    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(at_infinity), u)?;
-    let light = Incoming::Sky(at_infinity, density * pmf * winding_pmf / link.geometry_factor);
-    Some(LightSample { direction: link.direction, target: Target::Infinity, light })
+    let (direction, density) = sky.sample(v, w)?;
+    let there = AtInfinity { side, direction };
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(there), u)?;
+    let light = Incoming::Sky(there, density * pmf * winding_pmf / link.geometry_factor);
+    Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
 }
 
 /// A winding number and its probability.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Camera;
 use super::systems::Bounds;
 use crate::light::Punctual;
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{ConformallyFlat, Mouths, SpacetimeKind, Wormhole};
 
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
 const DIM: f64 = 0.02;
@@ -20,7 +20,11 @@ pub(super) fn of_holes(
     boxes: &[(Bounds, u32)],
 ) -> Vec<String> {
     let of = |(center, shadow)| of_hole(center, shadow, camera, aspect, boxes);
-    spacetime.shadows().into_iter().flat_map(of).collect()
+    let beside = |(mouths, metric): (Mouths, Wormhole)| {
+        vec![(mouths.center(camera.side), metric.critical_impact_parameter())]
+    };
+    let shadows = spacetime.wormhole().map_or_else(|| spacetime.shadows(), beside);
+    shadows.into_iter().flat_map(of).collect()
 }
 
 /// Oddities of where a hole is whose shadow has this radius from afar.

@@ -1,13 +1,17 @@
 //! World → the flat tables that the tracer reads.
 
+use std::collections::HashMap;
+
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::Entity;
 
+use super::StepperKind;
 use super::advice;
-use super::baked::Baked;
+use super::baked::{Baked, FarLights};
 use super::camera::Camera;
 use super::check::LARGEST;
 use super::components::{DiskShape, LightShape, MaterialHandle, MeshShape, SphereShape, WorldTransform};
+use super::ergosphere;
 use super::error::Fault;
 use super::hole::place_hole;
 use super::settings::MAX_SIDE;
@@ -17,9 +21,9 @@ use super::systems::{
     propagate_transforms, sphere_in_world,
 };
 use super::world::World;
-use crate::geometry::{Geometry, Instance, Primitives, Surface};
+use crate::geometry::{Geometry, Instance, Mesh, Primitives, Surface};
 use crate::light::Punctual;
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{ConformallyFlat, Side, SpacetimeKind};
 
 /// Dissolves the entities into tables and builds the BVH.
 ///
@@ -28,26 +32,29 @@ use crate::spacetime::SpacetimeKind;
 /// direction its transform loses; an unusable camera or one behind the horizon; a scene in which there is nothing to
 /// see.
 pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Baked, Fault> {
-    let (mut primitives, shaped) = flatten(&mut world)?;
-    warn_of_doubles(&mut world, primitives.drop_doubles());
-    if shaped.is_empty() && world.environment.is_black() {
+    let ([mut near, mut far], shaped) = flatten(&mut world)?;
+    warn_of_doubles(&mut world, near.drop_doubles() + far.drop_doubles());
+    if shaped.is_empty() && world.environment.is_black() && world.far_environment.is_black() {
         return Err(Fault::whole(
             "the scene is empty: nothing has a surface, and the environment is black",
             "add an [[entity]] that has a surface, or light with [environment]",
         ));
     }
-    let boxes = primitive_bounds(&primitives);
+    let (boxes, far_boxes) = (primitive_bounds(&near), primitive_bounds(&far));
     check_extent(&world, &boxes, &shaped)?;
+    check_extent(&world, &far_boxes, &shaped)?;
     place_hole(&mut world)?;
-    let camera = choose_camera(&mut world, wanted_camera, &boxes)?;
+    ergosphere::check(&world, &near, &shaped)?;
+    let camera = choose_camera(&mut world, wanted_camera, [&boxes, &far_boxes])?;
     check_outside_horizon(&world, &camera)?;
-    let (punctual, hidden) = lights(&mut world)?;
-    world.warn_of_names("lights inside the horizon of the black hole, where no light leaves", &hidden);
-    if matches!(world.spacetime, SpacetimeKind::Indexed(_)) && !punctual.is_empty() {
+    let punctual = lights(&mut world)?;
+    let aims_at_points =
+        !matches!(world.spacetime, SpacetimeKind::Indexed(_) | SpacetimeKind::Spinning { .. });
+    if !aims_at_points && !punctual.is_empty() {
         let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
         world.warnings.push(what.to_owned());
     }
-    warn_if_dark(&mut world, &primitives, &punctual, &boxes);
+    warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
             "lights of glTF files are divided by 683 lm/W, with which Blender's Lighting Mode Standard multiplies them; \
@@ -56,32 +63,64 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         );
     }
     let aspect = world.settings.aspect();
-    world.notes.extend(advice::of_holes(&world.spacetime, &camera, aspect, &boxes));
+    let around = match camera.side {
+        Side::Near => &boxes,
+        Side::Far => &far_boxes,
+    };
+    world.notes.extend(advice::of_holes(&world.spacetime, &camera, aspect, around));
+    let mut geometry = Geometry::build(near);
+    if world.spacetime.wormhole().is_some() {
+        geometry = geometry.with_far(Geometry::build(far));
+        check_outside_throat(&world, &geometry, &shaped)?;
+        if world.settings.stepper == StepperKind::Rk4Paper {
+            world.warnings.push("rk4-paper knows no wormhole: rays are followed by rkn6".to_owned());
+        }
+    } else {
+        warn_of_far_side(&mut world, &shaped);
+    }
+    let [punctual, far_punctual] = Side::BOTH.map(|side| {
+        punctual.iter().filter(|(of, _)| *of == side).map(|(_, light)| *light).collect::<Vec<_>>()
+    });
     Ok(Baked {
         spacetime: world.spacetime.clone(),
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
-        geometry: Geometry::build(primitives),
+        geometry,
         materials: world.materials,
         punctual,
         environment: world.environment,
+        far: FarLights { punctual: far_punctual, environment: world.far_environment },
         settings: world.settings,
         warnings: world.warnings,
         notes: world.notes,
     })
 }
 
-/// All primitives in world space, and the entities that have one, in the order of spawning; takes the world's meshes.
-pub(super) fn flatten(world: &mut World) -> Result<(Primitives, Vec<Entity>), Fault> {
+/// All primitives in world space, near and far, and the entities that have one, in the order of spawning; takes the
+/// world's meshes.
+pub(super) fn flatten(world: &mut World) -> Result<([Primitives; 2], Vec<Entity>), Fault> {
     propagate_transforms(world);
     squash(world)?;
-    let (mut primitives, shaped) = collect(world)?;
-    primitives.meshes = std::mem::take(&mut world.meshes);
-    Ok((primitives, shaped))
+    let ([mut near, mut far], shaped) = collect(world)?;
+    near.meshes = std::mem::take(&mut world.meshes);
+    far.meshes = meshes_of_far(&near.meshes, &mut far.instances);
+    Ok(([near, far], shaped))
 }
 
-/// Primitives (without meshes) of all shapes in the order of spawning, and the entities that have one.
-fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
+/// Copies of the meshes that instances on the far side place, which are renumbered.
+fn meshes_of_far(meshes: &[Mesh], instances: &mut [(Instance, Surface)]) -> Vec<Mesh> {
+    let (mut copies, mut numbers) = (Vec::new(), HashMap::new());
+    for (Instance { mesh, .. }, _) in instances {
+        *mesh = *numbers.entry(*mesh).or_insert_with(|| {
+            copies.push(meshes[*mesh as usize].clone());
+            (copies.len() - 1) as u32
+        });
+    }
+    copies
+}
+
+/// Primitives (without meshes) of all shapes, near and far, in the order of spawning, and the entities that have one.
+fn collect(world: &World) -> Result<([Primitives; 2], Vec<Entity>), Fault> {
     type Shapes<'a> =
         (Option<&'a SphereShape>, Option<&'a DiskShape>, Option<&'a MeshShape>, Option<&'a MaterialHandle>);
     let mut query = world.entities.query::<(Entity, &WorldTransform, Shapes)>();
@@ -90,10 +129,14 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
         .filter(|(_, _, (sphere, disk, mesh, _))| sphere.is_some() || disk.is_some() || mesh.is_some())
         .collect();
     placed.sort_by_key(|(entity, ..)| entity.id());
-    let mut primitives = Primitives::default();
+    let [mut near, mut far] = [Primitives::default(), Primitives::default()];
     let mut shaped = Vec::with_capacity(placed.len());
     for (entity, to_world, (sphere, disk, mesh, material)) in placed {
         let to_world = checked_transform(world, entity, to_world.0)?;
+        let primitives = match world.side(entity) {
+            Side::Near => &mut near,
+            Side::Far => &mut far,
+        };
         let index = shaped.len() as u32;
         let surface = |material: MaterialHandle| Surface { material: material.0, entity: index };
         let elliptic = |what: &str| {
@@ -113,12 +156,12 @@ fn collect(world: &World) -> Result<(Primitives, Vec<Entity>), Fault> {
         }
         shaped.push(entity);
     }
-    Ok((primitives, shaped))
+    Ok(([near, far], shaped))
 }
 
-/// The punctual lights in the order of spawning, and the names of those that no light leaves, since they are in a
-/// black hole; those whose direction a scale of 0 loses are left out with a warning.
-fn lights(world: &mut World) -> Result<(Vec<Punctual>, Vec<String>), Fault> {
+/// The punctual lights with their sides in the order of spawning; those whose direction a scale of 0 loses, and those that
+/// no light leaves, since they are in a black hole, are left out with a warning.
+fn lights(world: &mut World) -> Result<Vec<(Side, Punctual)>, Fault> {
     let mut query = world.entities.query::<(Entity, &WorldTransform, &LightShape)>();
     let mut placed: Vec<(Entity, DAffine3, LightShape)> =
         query.iter().map(|(entity, to_world, light)| (entity, to_world.0, *light)).collect();
@@ -131,13 +174,18 @@ fn lights(world: &mut World) -> Result<(Vec<Punctual>, Vec<String>), Fault> {
     let (mut lights, mut hidden) = (Vec::with_capacity(placed.len()), Vec::new());
     for (entity, to_world, light) in placed {
         let light = checked_light(world, entity, to_world, &light)?;
+        let side = world.side(entity);
+        if light.position().is_some_and(|position| world.spacetime.is_in_throat(side, position)) {
+            return Err(in_throat(world, entity));
+        }
         if light.position().is_some_and(|position| world.spacetime.hides(position)) {
             hidden.push(world.name(entity));
         } else {
-            lights.push(light);
+            lights.push((side, light));
         }
     }
-    Ok((lights, hidden))
+    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
+    Ok(lights)
 }
 
 fn checked_light(
@@ -181,14 +229,20 @@ fn check_extent(world: &World, boxes: &[(Bounds, u32)], shaped: &[Entity]) -> Re
     }
 }
 
-fn choose_camera(world: &mut World, wanted: Option<&str>, boxes: &[(Bounds, u32)]) -> Result<Camera, Fault> {
+fn choose_camera(
+    world: &mut World,
+    wanted: Option<&str>,
+    [near, far]: [&[(Bounds, u32)]; 2],
+) -> Result<Camera, Fault> {
     if let Some((camera, name, aspect)) = camera(world, wanted)? {
         if let Some(aspect) = aspect.filter(|_| !world.has_own_size) {
             shape_picture(world, &name, aspect);
         }
         return Ok(camera);
     }
-    let framed = framing_camera(boxes, world.settings.aspect()).ok_or_else(|| {
+    let aspect = world.settings.aspect();
+    let beyond = || framing_camera(far, aspect).map(|camera| Camera { side: Side::Far, ..camera });
+    let framed = framing_camera(near, aspect).or_else(beyond).ok_or_else(|| {
         Fault::whole(
             "there is no camera, and nothing to frame one around",
             "add a [camera] with `position`, `look_at` and `vertical_fov`",
@@ -214,13 +268,27 @@ fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
 /// Rays start between the pinhole and the near plane; both must be outside.
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
     let start: DVec3 = camera.position + camera.near * camera.forward;
+    let is_far = camera.side == Side::Far && world.spacetime.wormhole().is_none();
+    if is_far || [camera.position, start].into_iter().any(|at| world.spacetime.is_in_throat(camera.side, at))
+    {
+        let problem = if is_far {
+            "the camera is on the far side, and the spacetime has none"
+        } else {
+            "the camera is within the throat of the wormhole, which is in neither world"
+        };
+        let help = "move it out of there, or choose another throat_radius";
+        return Err(match world.camera {
+            Some(entity) => world.fault(entity, problem, help),
+            None => Fault::whole(problem, help),
+        });
+    }
     if ![camera.position, start].into_iter().any(|point| world.spacetime.drags(point)) {
         return Ok(());
     }
     let center = world.spacetime.center().unwrap_or_default();
     let distance = camera.position.distance(center).min(start.distance(center));
     let problem = match world.spacetime {
-        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } => {
+        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. } => {
             let horizon = world.spacetime.horizon();
             format!(
                 "the camera is inside the black hole: {distance} from its center, where the horizon is at {horizon}"
@@ -235,9 +303,10 @@ fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
     };
     let help = match world.spacetime {
         SpacetimeKind::Indexed(_) => "move the camera away",
-        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Spinning { .. } => {
-            "move the camera away, or use a smaller schwarzschild_radius"
-        }
+        SpacetimeKind::Flat
+        | SpacetimeKind::Spherical { .. }
+        | SpacetimeKind::Wormhole { .. }
+        | SpacetimeKind::Spinning { .. } => "move the camera away, or use a smaller schwarzschild_radius",
     };
     match world.camera {
         Some(entity) => Err(world.fault(entity, &problem, help)),
@@ -253,23 +322,57 @@ fn warn_of_doubles(world: &mut World, count: usize) {
     }
 }
 
-fn warn_if_dark(world: &mut World, primitives: &Primitives, punctual: &[Punctual], boxes: &[(Bounds, u32)]) {
-    let surfaces = primitives
-        .spheres
-        .iter()
-        .map(|(_, surface)| surface)
-        .chain(primitives.disks.iter().map(|(_, surface)| surface))
-        .chain(primitives.instances.iter().map(|(_, surface)| surface));
+/// Geometry within the throat is in neither world.
+fn check_outside_throat(world: &World, geometry: &Geometry, shaped: &[Entity]) -> Result<(), Fault> {
+    let Some((mouths, metric)) = world.spacetime.wormhole() else { return Ok(()) };
+    let within = |side| geometry.of(side)?.entity_within(mouths.center(side), metric.throat());
+    match Side::BOTH.into_iter().find_map(within).and_then(|index| shaped.get(index as usize)) {
+        Some(&entity) => Err(in_throat(world, entity)),
+        None => Ok(()),
+    }
+}
+
+fn in_throat(world: &World, entity: Entity) -> Fault {
+    let side = world.side(entity);
+    let (center, radius) = match world.spacetime.wormhole() {
+        Some((mouths, metric)) => (mouths.center(side), metric.throat()),
+        None => Default::default(),
+    };
+    let problem = format!(
+        "it reaches into the throat of the wormhole: within {radius} of {center}, where neither world is"
+    );
+    world.fault(entity, &problem, "move it away, or use a smaller throat_radius")
+}
+
+/// Without a wormhole nobody sees what is on the far side.
+fn warn_of_far_side(world: &mut World, shaped: &[Entity]) {
+    let far = shaped.iter().filter(|entity| world.side(**entity) == Side::Far);
+    let far: Vec<String> = far.map(|entity| world.name(*entity)).collect();
+    world.warn_of_names("left out, since the spacetime has no far side", &far);
+}
+
+fn warn_if_dark(
+    world: &mut World,
+    primitives: [&Primitives; 2],
+    punctual: &[(Side, Punctual)],
+    boxes: &[(Bounds, u32)],
+) {
+    let surfaces = primitives.into_iter().flat_map(|primitives| {
+        let shapes = primitives.spheres.iter().map(|(_, surface)| surface);
+        let shapes = shapes.chain(primitives.disks.iter().map(|(_, surface)| surface));
+        shapes.chain(primitives.instances.iter().map(|(_, surface)| surface))
+    });
     let shines = surfaces
         .filter_map(|surface| world.materials.get(surface.material as usize))
         .any(|material| material.emits());
+    let punctual: Vec<Punctual> = punctual.iter().map(|(_, light)| *light).collect();
     let lit = shines || punctual.iter().any(Punctual::emits);
-    if !world.environment.is_black() {
+    if !world.environment.is_black() || !world.far_environment.is_black() {
         return;
     }
     if !lit {
         world.warnings.push("nothing emits light: the picture will be black".to_owned());
-    } else if world.guesses_light_scale && !shines && advice::is_dim(punctual, boxes) {
+    } else if world.guesses_light_scale && !shines && advice::is_dim(&punctual, boxes) {
         world.warnings.push(
             "the lights are so weak that the picture will be nearly black; if Blender exported them with Lighting \
              Mode Unitless, use --light-scale 1"

@@ -6,7 +6,7 @@ use super::{Camera, Settings};
 use crate::geometry::{Geometry, Primitives};
 use crate::light::Punctual;
 use crate::shade::{Environment, Material};
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{Side, SpacetimeKind};
 
 /// A scene, baked.
 pub struct Baked {
@@ -24,6 +24,8 @@ pub struct Baked {
     pub punctual: Vec<Punctual>,
     /// Light from infinity.
     pub environment: Environment,
+    /// Lights of the far side of a wormhole.
+    pub far: FarLights,
     /// Settings of the scene file, defaults filled in.
     pub settings: Settings,
     /// Content that was read but not understood, one line each.
@@ -32,14 +34,44 @@ pub struct Baked {
     pub notes: Vec<String>,
 }
 
+/// Lights of the far side of a wormhole that are no surfaces.
+#[derive(Clone, Debug)]
+pub struct FarLights {
+    /// Punctual lights, in the order of the scene.
+    pub punctual: Vec<Punctual>,
+    /// Light from infinity.
+    pub environment: Environment,
+}
+
+impl Default for FarLights {
+    fn default() -> Self {
+        Self { punctual: Vec::new(), environment: Environment::Black }
+    }
+}
+
 /// Arc tolerance beside the size of a pixel, where none is set.
 const PIXEL_FRACTION: f64 = 0.05;
 
 impl Baked {
+    /// Light from infinity on a side.
+    pub fn environment(&self, side: Side) -> &Environment {
+        match side {
+            Side::Near => &self.environment,
+            Side::Far => &self.far.environment,
+        }
+    }
+
+    /// Punctual lights of both sides, with their sides.
+    pub fn punctual(&self) -> impl Iterator<Item = (Side, &Punctual)> {
+        let near = self.punctual.iter().map(|light| (Side::Near, light));
+        near.chain(self.far.punctual.iter().map(|light| (Side::Far, light)))
+    }
+
     /// Largest distance allowed between an arc and the true curve, scene units: as set, or a fraction of a pixel's
     /// footprint at the distance of the hole.
     pub fn arc_tolerance(&self) -> f64 {
-        self.arc_tolerance_around(self.spacetime.center().unwrap_or(self.camera.position))
+        let mouth = self.spacetime.wormhole().map(|(mouths, _)| mouths.center(self.camera.side));
+        self.arc_tolerance_around(mouth.or(self.spacetime.center()).unwrap_or(self.camera.position))
     }
 
     /// Like [`Self::arc_tolerance`], with the hole at `center`.
@@ -61,6 +93,7 @@ impl Default for Baked {
             up: DVec3::Y,
             tan_half_fov: 0.5,
             near: 0.0,
+            side: Side::Near,
         };
         Self {
             spacetime: SpacetimeKind::Flat,
@@ -70,6 +103,7 @@ impl Default for Baked {
             entities: Vec::new(),
             punctual: Vec::new(),
             environment: Environment::Black,
+            far: FarLights::default(),
             settings: Settings::default(),
             warnings: Vec::new(),
             notes: Vec::new(),

@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::spacetime::Side;
+
 /// A pinhole camera at rest in the static frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -17,12 +19,14 @@ pub struct Camera {
     pub tan_half_fov: f64,
     /// Distance along `forward` at which rays start; up to there they are straight.
     pub near: f64,
+    /// Side of a wormhole that it is on.
+    pub side: Side,
 }
 
 impl Camera {
     /// A camera at `position` that looks along `forward` with `up` upwards in the image; `vertical_fov` in radians.
     ///
-    /// Returns `None` if `forward` is zero, parallel to `up`, or anything is not finite.
+    /// It is on the near side. Returns `None` if `forward` is zero, parallel to `up`, or anything is not finite.
     pub fn new(position: DVec3, forward: DVec3, up: DVec3, vertical_fov: f64, near: f64) -> Option<Self> {
         let forward = forward.try_normalize()?;
         let right = forward.cross(up).try_normalize()?;
@@ -35,6 +39,7 @@ impl Camera {
             up: right.cross(forward),
             tan_half_fov,
             near,
+            side: Side::Near,
         })
     }
 

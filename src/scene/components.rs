@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DAffine3;
 use hecs::Entity;
 
+use crate::asset::ModelHole;
 use crate::geometry::{Disk, Sphere};
 use crate::light::Punctual;
 
@@ -59,9 +60,13 @@ pub struct CameraLens {
     pub aspect: Option<f64>,
 }
 
-/// The Schwarzschild radius of a black hole that is to be here, in entity space.
+/// A black hole that is to be here, in entity space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HoleMark(pub f64);
+pub struct HoleMark(pub ModelHole);
+
+/// The far side of a wormhole as the place of the entity and of those placed in its space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OnFarSide;
 
 /// Byte range of the scene file in which the entity is written.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::error::{Fault, suggestion};
 use super::{Background, Filter, LightSampling, Precision, SamplerKind, Schedule, StepperKind};
 use crate::light::Heuristic;
-use crate::spacetime::{Entry, LISTED, SPACETIMES};
+use crate::spacetime::{Entry, LISTED, SPACETIMES, Side};
 
 /// A number with its place.
 pub type Number = Spanned<f64>;
@@ -54,6 +54,10 @@ pub struct SpacetimeTable {
     pub center: Option<Vector>,
     /// Direction of the axis, of any length; +Y if absent.
     pub axis: Option<Vector>,
+    /// Position of a wormhole's centre in the far world; `center` if absent.
+    pub far_center: Option<Vector>,
+    /// Rotation of the far world of a wormhole; none if absent.
+    pub far_rotate: Option<Spanned<Rotation>>,
     /// Values by their keys.
     pub parameters: BTreeMap<&'static str, Number>,
     /// `[[spacetime.hole]]`, of several holes.
@@ -144,8 +148,10 @@ static SPACETIME_NAMES: LazyLock<Vec<&str>> =
     LazyLock::new(|| SPACETIMES.iter().chain(LISTED).map(|entry| entry.name).collect());
 static SPACETIME_KEYS: LazyLock<Vec<&str>> = LazyLock::new(|| {
     let parameters = SPACETIMES.iter().flat_map(|entry| entry.parameters).map(|parameter| parameter.key);
-    let mut keys: Vec<&str> =
-        ["kind", "center", "axis", "hole", "lens"].into_iter().chain(parameters).collect();
+    let mut keys: Vec<&str> = ["kind", "center", "axis", "far_center", "far_rotate", "hole", "lens"]
+        .into_iter()
+        .chain(parameters)
+        .collect();
     let mut known = BTreeSet::new();
     keys.retain(|key| known.insert(*key));
     keys
@@ -160,19 +166,22 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<SpacetimeTable, A::Error> {
         let (mut kind, mut center, mut axis, mut parameters) = (None, None, None, BTreeMap::new());
+        let (mut far_center, mut far_rotate) = (None, None);
         let (mut hole, mut lens) = (Vec::new(), Vec::new());
         while let Some(SpacetimeKey(key)) = map.next_key()? {
             match key {
                 "kind" => kind = Some(map.next_value::<SpacetimeName>()?.0),
                 "center" => center = Some(map.next_value()?),
                 "axis" => axis = Some(map.next_value()?),
+                "far_center" => far_center = Some(map.next_value()?),
+                "far_rotate" => far_rotate = Some(map.next_value()?),
                 "hole" => hole = map.next_value()?,
                 "lens" => lens = map.next_value()?,
                 parameter => drop(parameters.insert(parameter, map.next_value()?)),
             }
         }
         let kind = kind.ok_or_else(|| de::Error::missing_field("kind"))?;
-        Ok(SpacetimeTable { kind, center, axis, parameters, hole, lens })
+        Ok(SpacetimeTable { kind, center, axis, far_center, far_rotate, parameters, hole, lens })
     }
 }
 
@@ -192,6 +201,27 @@ pub struct CameraTable {
     pub vertical_fov: Number,
     /// Distance at which rays start; 0 if absent.
     pub near: Option<Number>,
+    /// Side of a wormhole that it is on; near if absent.
+    pub side: Option<SideName>,
+}
+
+/// `side` of a camera or an entity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SideName {
+    /// The world of `spacetime.center`.
+    Near,
+    /// The world of `spacetime.far_center`.
+    Far,
+}
+
+impl From<SideName> for Side {
+    fn from(name: SideName) -> Self {
+        match name {
+            SideName::Near => Self::Near,
+            SideName::Far => Self::Far,
+        }
+    }
 }
 
 /// `[film]`; what is absent keeps its default.
@@ -256,6 +286,8 @@ pub struct EnvironmentTable {
     pub image: Option<Text>,
     /// Degrees about +Y, of the picture.
     pub rotation: Option<Number>,
+    /// `[environment.far]`, of a wormhole's far side; black if absent.
+    pub far: Option<Box<Spanned<EnvironmentTable>>>,
 }
 
 /// `environment.kind`.
@@ -330,6 +362,8 @@ pub struct EntityTable {
     pub material: Option<Text>,
     /// Radiance; overrides the material's.
     pub emission: Option<Spanned<Triple>>,
+    /// Side of a wormhole that it is on; near if absent.
+    pub side: Option<SideName>,
 }
 
 /// `entity.sphere`.

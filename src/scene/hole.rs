@@ -1,6 +1,6 @@
 //! The black hole that an Empty of a model places.
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use hecs::Entity;
 
 use super::check::LARGEST;
@@ -8,7 +8,8 @@ use super::components::{HoleMark, WorldTransform};
 use super::error::Fault;
 use super::systems::is_representable;
 use super::world::World;
-use crate::spacetime::SpacetimeKind;
+use crate::asset::ModelHole;
+use crate::spacetime::{Placement, SpacetimeKind};
 
 /// Puts a hole where the first mark is, unless the scene or an option says what spacetime there is.
 pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
@@ -19,7 +20,7 @@ pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
         .map(|(entity, to_world, mark)| (entity, to_world.0, *mark))
         .collect();
     marks.sort_by_key(|(entity, ..)| entity.id());
-    let Some((entity, to_world, HoleMark(radius))) = marks.first().copied() else {
+    let Some((entity, to_world, HoleMark(ModelHole { radius, spin }))) = marks.first().copied() else {
         return Ok(());
     };
     let name = world.name(entity);
@@ -41,15 +42,18 @@ pub(super) fn place_hole(world: &mut World) -> Result<(), Fault> {
             "place it no farther than 1e18 from the origin, with a smaller radius and scale",
         ));
     }
-    world.spacetime = SpacetimeKind::black_hole(center, radius);
+    // An up axis that a scale of 0 has lost is the world's.
+    let axis = y.try_normalize().unwrap_or(DVec3::Y);
+    world.spacetime = SpacetimeKind::spinning(Placement { axis, ..center.into() }, radius, spin);
     if world.spacetime.is_flat() {
         world.warnings.push(format!("`{name}` places no hole, since its radius is 0"));
     } else {
         let [x, y, z] = center.to_array().map(|value| value as f32);
         let radius = radius as f32;
-        world
-            .notes
-            .push(format!("`{name}` places a black hole of Schwarzschild radius {radius} at {x},{y},{z}"));
+        let turning = if spin == 0.0 { String::new() } else { format!(" and spin {}", spin as f32) };
+        world.notes.push(format!(
+            "`{name}` places a black hole of Schwarzschild radius {radius}{turning} at {x},{y},{z}"
+        ));
     }
     Ok(())
 }

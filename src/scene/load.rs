@@ -24,8 +24,8 @@ pub struct LoadOptions {
     /// Overrides `path.to.key=value`, as after `--set`; array entries go by index or by name.
     pub overrides: Vec<String>,
     /// A black hole instead of the scene's spacetime: X, Y, Z of its center and its Schwarzschild radius, in scene
-    /// units.
-    pub black_hole: Option<[f64; 4]>,
+    /// units, and its spin a/M about +Y.
+    pub black_hole: Option<[f64; 5]>,
     /// Light from infinity instead of the scene's.
     pub environment: Option<Surroundings>,
     /// Name of the camera, of several.
@@ -124,14 +124,18 @@ fn check_memory(world: &World, memory: &Memory) -> Result<(), Fault> {
         .map_err(|flaw| Fault::whole(flaw.problem, flaw.help))
 }
 
-fn replace_spacetime(world: &mut World, [x, y, z, radius]: [f64; 4]) -> Result<(), Fault> {
-    if ![x, y, z, radius].iter().all(|number| number.abs() <= check::LARGEST) || radius < 0.0 {
+fn replace_spacetime(world: &mut World, [x, y, z, radius, spin]: [f64; 5]) -> Result<(), Fault> {
+    let within = [x, y, z, radius].iter().all(|number| number.abs() <= check::LARGEST);
+    if !within || radius < 0.0 || spin.abs() > 1.0 || spin.is_nan() {
         return Err(Fault::whole(
-            format!("the black hole {x},{y},{z},{radius} is not usable"),
-            format!("give numbers X,Y,Z,RS of at most {:e}, and RS at least 0", check::LARGEST),
+            format!("the black hole {x},{y},{z},{radius},{spin} is not usable"),
+            format!(
+                "give numbers X,Y,Z,RS of at most {:e}, RS at least 0, and a spin from -1 to 1",
+                check::LARGEST
+            ),
         ));
     }
-    world.spacetime = SpacetimeKind::black_hole(DVec3::new(x, y, z), radius);
+    world.spacetime = SpacetimeKind::spinning(DVec3::new(x, y, z).into(), radius, spin);
     world.has_own_spacetime = true;
     Ok(())
 }

@@ -12,6 +12,7 @@ mod bare_model;
 mod camera;
 mod check;
 pub(crate) mod components;
+mod ergosphere;
 mod error;
 mod file;
 mod foreign;
@@ -28,7 +29,7 @@ mod systems;
 mod text;
 mod world;
 
-pub use baked::Baked;
+pub use baked::{Baked, FarLights};
 pub use camera::Camera;
 pub use error::{Diagnostic, SceneError};
 pub use load::{LoadOptions, load, load_with};

@@ -24,7 +24,7 @@ use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
 use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
-use crate::spacetime::{Entry, Listed, Parameter, Placement, Range, SpacetimeKind};
+use crate::spacetime::{Entry, Listed, Parameter, Placement, Range, Side, SpacetimeKind};
 
 /// Albedo of a diffuse material that does not say.
 const DEFAULT_ALBEDO: f32 = 0.8;
@@ -61,11 +61,17 @@ pub(super) fn populate(file: SceneFile, source: &AssetSource) -> Result<World, F
     let mut warnings = Vec::new();
     let spacetime =
         file.spacetime.as_ref().map_or(Ok(SpacetimeKind::Flat), |table| spacetime(table, &mut warnings))?;
-    let environment = match &file.environment {
+    let near = match &file.environment {
         Some(table) => environment(table, source, &mut warnings)?,
         None => Environment::Black,
     };
-    let mut world = World::new(spacetime, environment, settings(&file.film, &file.render)?);
+    let far = file.environment.as_ref().and_then(|table| table.get_ref().far.as_deref());
+    let far_environment = match far {
+        Some(table) => environment(table, source, &mut warnings)?,
+        None => Environment::Black,
+    };
+    let mut world = World::new(spacetime, near, settings(&file.film, &file.render)?);
+    world.far_environment = far_environment;
     world.warnings = warnings;
     world.has_own_spacetime = file.spacetime.is_some();
     world.has_own_size = file.film.width.is_some() || file.film.height.is_some();
@@ -74,6 +80,7 @@ pub(super) fn populate(file: SceneFile, source: &AssetSource) -> Result<World, F
         let entity = world.spawn_authored(table.span(), Some("camera".to_owned()), placement);
         // The entity was spawned on the line above, so inserting cannot fail.
         let _ = world.entities.insert_one(entity, lens);
+        world.put(entity, table.get_ref().side.map_or(Side::Near, Side::from));
         world.camera = Some(entity);
     }
     let mut names = HashMap::new();
@@ -101,6 +108,18 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
         if !table.kind.has_axis {
             warnings.push(format!("spacetime.axis has no effect, since spacetime.kind is {name}"));
         }
+    }
+    placement.far_center = match &table.far_center {
+        Some(at) => check::finite_vector(at, "far_center")?,
+        None => center,
+    };
+    if let Some(rotation) = &table.far_rotate {
+        placement.far_rotation = DMat3::from_quat(turned(rotation)?);
+    }
+    if !table.kind.has_far_side && (table.far_center.is_some() || table.far_rotate.is_some()) {
+        warnings.push(format!(
+            "spacetime.far_center and far_rotate have no effect, since spacetime.kind is {name}"
+        ));
     }
     for (key, value) in &table.parameters {
         if parameters.iter().all(|parameter| parameter.key != *key) && *value.get_ref() != 0.0 {
@@ -149,6 +168,13 @@ fn environment(
             span,
             "`kind`, `color` and `image` exclude each other",
             "keep one; `strength` scales it",
+        ));
+    }
+    if let Some(beyond) = table.far.as_ref().and_then(|far| far.get_ref().far.as_ref()) {
+        return Err(Fault::at(
+            beyond.span(),
+            "a wormhole has two sides, and a third is described",
+            "remove it",
         ));
     }
     if let (Some(rotation), None) = (&table.rotation, &table.image) {
@@ -353,6 +379,7 @@ fn spawn(
     let placement =
         table.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |given| transform(given.get_ref()))?;
     let entity = world.spawn_authored(span, table.name, placement);
+    world.put(entity, table.side.map_or(Side::Near, Side::from));
     for (path, format) in [(&table.mesh, ModelFormat::Obj), (&table.gltf, ModelFormat::Gltf)] {
         if let Some(path) = path {
             check_format(path, format)?;

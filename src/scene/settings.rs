@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::light::Heuristic;
+use crate::spacetime::SpacetimeKind;
 
 /// Reconstruction filter, sampled (each sample counts for its own pixel only).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -45,8 +46,32 @@ pub enum StepperKind {
     Rk4,
     /// Suzuki's symplectic composition of leapfrogs, order 4.
     Leapfrog4,
+    /// Taylor series in Mino time, of rays around spinning holes; elsewhere rkn6 stands for it.
+    Series,
     /// The paper's scheme: RK4 on its equations (7), (8) with the step rule of its Algorithm 2.
     Rk4Paper,
+}
+
+impl StepperKind {
+    /// Stepper that stands for this one in a spacetime: its family may not have all of them.
+    pub fn around(self, spacetime: &SpacetimeKind) -> Self {
+        match (spacetime, self) {
+            (SpacetimeKind::Spinning { .. }, _) => Self::Series,
+            (SpacetimeKind::Indexed(_), Self::Dop853) => Self::Dop853,
+            (SpacetimeKind::Indexed(_), _) => Self::Rkn6,
+            (SpacetimeKind::Wormhole { .. }, Self::Rk4Paper) => Self::Rkn6,
+            (
+                SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. },
+                Self::Series,
+            ) => Self::Rkn6,
+            (SpacetimeKind::Wormhole { .. }, stepper) => stepper,
+            (SpacetimeKind::Flat | SpacetimeKind::Spherical { .. }, stepper) => stepper,
+        }
+    }
+
+    /// Those that follow orbits of static, spherical spacetimes to a tolerance.
+    pub const OF_ORBITS: [Self; 7] =
+        [Self::Rkn6, Self::Dop853, Self::Dopri5, Self::Rkf45, Self::Rkn4, Self::Rk4, Self::Leapfrog4];
 }
 
 /// The numbers that orbits are followed in.

@@ -218,7 +218,7 @@ pub(super) fn camera(
     let up = to_world.transform_vector3(DVec3::Y);
     let usable = lens.vertical_fov < PI && is_representable(to_world.translation);
     let camera = Camera::new(to_world.translation, forward, up, lens.vertical_fov, lens.near);
-    let camera = camera.filter(|_| usable);
+    let camera = camera.filter(|_| usable).map(|camera| Camera { side: world.side(entity), ..camera });
     camera.map(|camera| Some((camera, name.clone(), lens.aspect))).ok_or_else(|| {
         world.fault(
             entity,

@@ -10,13 +10,13 @@ use hecs::Entity;
 use super::Settings;
 use super::components::{
     AuthoredAt, CameraLens, HoleMark, LightShape, LocalTransform, MaterialHandle, MeshHandle, MeshShape,
-    Name, Parent,
+    Name, OnFarSide, Parent,
 };
 use super::error::Fault;
 use crate::asset::{AssetError, Files, Model, ModelNode, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material};
-use crate::spacetime::SpacetimeKind;
+use crate::spacetime::{Side, SpacetimeKind};
 
 /// A scene before it is baked.
 pub(super) struct World {
@@ -30,6 +30,8 @@ pub(super) struct World {
     pub spacetime: SpacetimeKind,
     /// Light from infinity.
     pub environment: Environment,
+    /// Light from infinity on the far side of a wormhole.
+    pub far_environment: Environment,
     /// Settings.
     pub settings: Settings,
     /// The camera written in the scene file itself.
@@ -85,6 +87,7 @@ impl World {
             materials: Vec::new(),
             spacetime,
             environment,
+            far_environment: Environment::Black,
             settings,
             camera: None,
             has_own_spacetime: false,
@@ -171,10 +174,28 @@ impl World {
         if let Some(light) = light {
             let _ = self.entities.insert_one(entity, light);
         }
-        if let Some(radius) = node.hole {
-            let _ = self.entities.insert_one(entity, HoleMark(radius));
+        if let Some(hole) = node.hole {
+            let _ = self.entities.insert_one(entity, HoleMark(hole));
         }
         entity
+    }
+
+    /// Puts an entity, and what is placed in its space, on a side of a wormhole.
+    pub fn put(&mut self, entity: Entity, side: Side) {
+        match side {
+            Side::Near => {}
+            Side::Far => {
+                // An entity that does not exist is on no side.
+                let _ = self.entities.insert_one(entity, OnFarSide);
+            }
+        }
+    }
+
+    /// Side of a wormhole that an entity is on.
+    pub fn side(&self, entity: Entity) -> Side {
+        let is_far = |entity: Entity| self.entities.get::<&OnFarSide>(entity).is_ok();
+        let is_far = std::iter::once(entity).chain(self.ancestors(entity)).any(is_far);
+        if is_far { Side::Far } else { Side::Near }
     }
 
     /// The entities above `entity`, nearest first.

@@ -8,7 +8,7 @@ pub enum Fate {
     /// It leaves to infinity.
     #[default]
     Escapes,
-    /// It falls through the horizon.
+    /// It falls through the horizon, or passes the throat of a wormhole to the other side.
     Falls,
 }
 
@@ -47,8 +47,14 @@ impl Chart {
         Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }
     }
 
-    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0,
-    /// where the photon sphere tells the scale.
+    /// The chart of one side of a wormhole, for geometry whose points have isotropic radii up to `farthest`: what falls
+    /// is followed to the throat.
+    pub fn to_throat<M: ConformallyFlat>(medium: &M, farthest: f64) -> Self {
+        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: f64::INFINITY }
+    }
+
+    /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0, where
+    /// the photon sphere tells the scale.
     pub fn innermost<M: ConformallyFlat>(medium: &M) -> f64 {
         (medium.horizon() * (1.0 + HORIZON_MARGIN)).max(HORIZON_MARGIN * medium.photon_sphere())
     }

@@ -30,11 +30,16 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// Isotropic radius of the horizon, 0 if there is none.
     fn horizon(&self) -> f64;
 
+    /// Isotropic radius of a wormhole's throat, 0 if there is none. Beyond it ρ → throat²/ρ is the other side.
+    fn throat(&self) -> f64 {
+        0.0
+    }
+
     /// Isotropic radius of the outermost circular ray, 0 if there is none: outside it, a ray that moves outwards never
     /// turns back.
     fn photon_sphere(&self) -> f64;
 
-    /// Impact parameter below which a ray that comes in from outside is captured, 0 if none is.
+    /// Impact parameter below which a ray that comes in from outside is captured or passes a throat, 0 if none is.
     fn critical_impact_parameter(&self) -> f64;
 
     /// (dx/dt, dp/dt): Hamilton's equations of a null ray in coordinate time t, with |p| = n.

@@ -79,7 +79,7 @@ pub struct Sink {
 
 /// Σ components.
 #[inline(always)]
-pub fn dot<const L: usize>(a: &Vectors<L>, b: &Vectors<L>) -> Lanes<L> {
+pub(crate) fn dot<const L: usize>(a: &Vectors<L>, b: &Vectors<L>) -> Lanes<L> {
     let mut dot = [0.0; L];
     for l in 0..L {
         dot[l] = a[0][l] * b[0][l] + a[1][l] * b[1][l] + a[2][l] * b[2][l];

@@ -115,15 +115,22 @@ impl KerrNewman {
 
     /// Spheroidal radius outside of which no ray that moves outwards turns back: the outermost circular one's.
     pub fn outermost_photon_orbit(&self) -> f64 {
-        // The retrograde one in the equator: r² − 3r + 2e² + 2|a| √(r − e²) = 0 with the sign of that orbit.
+        self.photon_orbits()[1]
+    }
+
+    /// Spheroidal radii of the circular photon orbits in the equator, along the spin and against it.
+    pub fn photon_orbits(&self) -> [f64; 2] {
+        // r² − 3r + 2e² ± 2|a| √(r − e²) = 0.
         let (a, e2) = (self.spin.abs(), self.charge * self.charge);
-        let at = |r: f64| r * r - 3.0 * r + 2.0 * e2 - 2.0 * a * (r - e2).max(0.0).sqrt();
-        let (mut low, mut high) = (1.5, 4.5);
-        for _ in 0..64 {
-            let middle = 0.5 * (low + high);
-            if at(middle) < 0.0 { low = middle } else { high = middle }
-        }
-        self.mass * high
+        let orbit = |a: f64, mut low: f64, mut high: f64| {
+            for _ in 0..64 {
+                let r = 0.5 * (low + high);
+                let inside = r * r - 3.0 * r + 2.0 * e2 + 2.0 * a * (r - e2).max(0.0).sqrt() < 0.0;
+                if inside { low = r } else { high = r }
+            }
+            self.mass * high
+        };
+        [orbit(a, 1.0 + self.root(), 3.0), orbit(-a, 1.5, 4.5)]
     }
 
     /// Largest impact parameter of rays from afar that are captured: of the retrograde circular orbit.
@@ -189,6 +196,19 @@ mod tests {
         }
         // Reissner–Nordström, extremal: 4M.
         assert!((KerrNewman::new(2.0, 0.0, 1.0).shadow() - 4.0).abs() < 1e-7);
+    }
+
+    #[test]
+    fn circular_photon_orbits_are_at_the_roots_of_the_textbook() {
+        // r = 2 + 2 cos(⅔ arccos ∓a).
+        for spin in [0.0, 0.5, -0.9, 0.998, 1.0_f64] {
+            let exact = [-1.0, 1.0].map(|sign| 2.0 + 2.0 * (2.0 / 3.0 * (sign * spin.abs()).acos()).cos());
+            let found = KerrNewman::new(2.0, spin, 0.0).photon_orbits();
+            let off = (found[0] - exact[0]).abs().max((found[1] - exact[1]).abs());
+            assert!(off < 1e-7, "a = {spin}: {found:?} for {exact:?}");
+        }
+        let [inner, outer] = KerrNewman::new(2.0, 0.0, 1.0).photon_orbits();
+        assert!((inner - 2.0).abs() < 1e-7 && (outer - 2.0).abs() < 1e-7);
     }
 
     #[test]

@@ -1,13 +1,15 @@
-//! Table of all spacetimes: each has one line in [`spherical!`]; callers ask [`SpacetimeKind`] instead of matching.
+//! Table of all spacetimes: each has its name in [`media!`]; callers ask [`SpacetimeKind`] instead of matching.
 
 use glam::DVec3;
 
 use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
+use super::ellis::Ellis;
 use super::index_field::{IndexField, Sink};
 use super::kerr::Kerr;
 use super::kerr_newman::KerrNewman;
 use super::lenses::Lenses;
+use super::mouths::Mouths;
 use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
 use super::placement::Placement;
@@ -15,83 +17,90 @@ use super::reissner_nordstrom::ReissnerNordstrom;
 use super::rest_frame::RestFrame;
 use super::schwarzschild::Schwarzschild;
 use super::several_holes::SeveralHoles;
+use super::side::Side;
 use crate::math::real::Real;
 
-macro_rules! spherical {
-    ($($name:ident),* $(,)?) => {
-        /// Static, spherical spacetimes centred on the origin.
+macro_rules! media {
+    ($($(#[$doc:meta])* $Kinds:ident, $family:ident($place:ident: $Place:ty): $($name:ident),+;)+) => {
+        $(
+        $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub enum Metric {
+        pub enum $Kinds {
             $(
                 /// The spacetime of this name.
                 $name($name),
-            )*
+            )+
         }
 
-        $(impl From<$name> for Metric {
+        $(impl From<$name> for $Kinds {
             fn from(metric: $name) -> Self {
                 Self::$name(metric)
             }
-        })*
+        })+
 
-        impl Metric {
+        impl $Kinds {
             fn entry(self) -> &'static Entry {
                 match self {
-                    $(Self::$name(_) => const { &Entry::spherical::<$name>() },)*
+                    $(Self::$name(_) => const { &Entry::$family::<$name>() },)+
                 }
             }
 
             fn values(self) -> Vec<f64> {
                 match self {
-                    $(Self::$name(metric) => metric.values(),)*
+                    $(Self::$name(metric) => metric.values(),)+
                 }
             }
 
-            fn visit<V: SpacetimeVisitor>(self, center: DVec3, visitor: V) -> V::Output {
+            fn visit<V: SpacetimeVisitor>(self, $place: $Place, visitor: V) -> V::Output {
                 match self {
-                    $(Self::$name(metric) => visitor.spherical(center, metric),)*
+                    $(Self::$name(metric) => visitor.$family($place, metric),)+
                 }
             }
         }
 
         /// Chosen at every call: for all but the march, which is compiled for each spacetime.
-        impl ConformallyFlat for Metric {
+        impl ConformallyFlat for $Kinds {
             fn index_squared<R: Real>(&self, w: R) -> R {
-                match self { $(Self::$name(metric) => metric.index_squared(w),)* }
+                match self { $(Self::$name(metric) => metric.index_squared(w),)+ }
             }
 
             fn index<R: Real>(&self, w: R) -> R {
-                match self { $(Self::$name(metric) => metric.index(w),)* }
+                match self { $(Self::$name(metric) => metric.index(w),)+ }
             }
 
             fn pull<R: Real>(&self, w: R) -> R {
-                match self { $(Self::$name(metric) => metric.pull(w),)* }
+                match self { $(Self::$name(metric) => metric.pull(w),)+ }
             }
 
             fn lapse(&self, w: f64) -> f64 {
-                match self { $(Self::$name(metric) => metric.lapse(w),)* }
+                match self { $(Self::$name(metric) => metric.lapse(w),)+ }
             }
 
             fn horizon(&self) -> f64 {
-                match self { $(Self::$name(metric) => metric.horizon(),)* }
+                match self { $(Self::$name(metric) => metric.horizon(),)+ }
+            }
+
+            fn throat(&self) -> f64 {
+                match self { $(Self::$name(metric) => metric.throat(),)+ }
             }
 
             fn photon_sphere(&self) -> f64 {
-                match self { $(Self::$name(metric) => metric.photon_sphere(),)* }
+                match self { $(Self::$name(metric) => metric.photon_sphere(),)+ }
             }
 
             fn critical_impact_parameter(&self) -> f64 {
-                match self { $(Self::$name(metric) => metric.critical_impact_parameter(),)* }
+                match self { $(Self::$name(metric) => metric.critical_impact_parameter(),)+ }
             }
 
             fn motion(&self, x: DVec3, p: DVec3) -> (DVec3, DVec3) {
-                match self { $(Self::$name(metric) => metric.motion(x, p),)* }
+                match self { $(Self::$name(metric) => metric.motion(x, p),)+ }
             }
         }
+        )+
 
         /// All spacetimes, in the order of the command line's help.
         pub static SPACETIMES: &[&Entry] = &[
-            $(const { &Entry::spherical::<$name>() },)*
+            $($(const { &Entry::$family::<$name>() },)+)+
             &KERR,
             &KERR_NEWMAN,
             &FLAT,
@@ -99,9 +108,12 @@ macro_rules! spherical {
     };
 }
 
-spherical! {
-    Schwarzschild,
-    ReissnerNordstrom,
+media! {
+    /// Static, spherical spacetimes centred on the origin.
+    Metric, spherical(center: DVec3): Schwarzschild, ReissnerNordstrom;
+
+    /// Static, spherical wormholes centred on the origin.
+    Wormhole, wormhole(mouths: Mouths): Ellis;
 }
 
 /// A spacetime and where its centre is placed.
@@ -115,6 +127,13 @@ pub enum SpacetimeKind {
         center: DVec3,
         /// The spacetime about its centre.
         metric: Metric,
+    },
+    /// A static, spherical wormhole between two worlds, in isotropic coordinates about the throat in each.
+    Wormhole {
+        /// Centres of the throat in both worlds.
+        mouths: Mouths,
+        /// The wormhole about its centre.
+        metric: Wormhole,
     },
     /// A spinning hole, in Cartesian Kerr–Schild coordinates of the outgoing form, with the axis along `placement`'s.
     Spinning {
@@ -156,6 +175,9 @@ pub trait SpacetimeVisitor {
     /// In a static, spherical spacetime about `center`.
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output;
 
+    /// Through a static, spherical wormhole.
+    fn wormhole<M: ConformallyFlat>(self, mouths: Mouths, medium: M) -> Self::Output;
+
     /// Around a spinning hole.
     fn spinning(self, placement: Placement, hole: KerrNewman) -> Self::Output;
 
@@ -176,6 +198,8 @@ pub struct Entry {
     pub parameters: &'static [Parameter],
     /// True if it has an axis that can be tilted.
     pub has_axis: bool,
+    /// True if it joins two worlds.
+    pub has_far_side: bool,
     /// What it is a list of, beside its parameters.
     pub listed: Option<Listed>,
     conflict: fn(&[f64]) -> Option<(String, String)>,
@@ -188,6 +212,7 @@ static FLAT: Entry = Entry {
     summary: "No hole: straight rays",
     parameters: &[],
     has_axis: false,
+    has_far_side: false,
     listed: None,
     conflict: |_| None,
     make: |_, _| SpacetimeKind::Flat,
@@ -219,6 +244,7 @@ impl Entry {
             summary: N::SUMMARY,
             parameters: N::PARAMETERS,
             has_axis,
+            has_far_side: false,
             listed: None,
             conflict: N::conflict,
             make,
@@ -230,6 +256,14 @@ impl Entry {
             center: placement.center,
             metric: M::new(values).into(),
         })
+    }
+
+    const fn wormhole<M: Named + Into<Wormhole>>() -> Self {
+        let entry = Self::of::<M>(false, |placement, values| SpacetimeKind::Wormhole {
+            mouths: placement.mouths(),
+            metric: M::new(values).into(),
+        });
+        Self { has_far_side: true, ..entry }
     }
 
     const fn spinning<M: Named + Into<KerrNewman>>() -> Self {
@@ -269,11 +303,20 @@ impl SpacetimeKind {
         Self::Spherical { center, metric: Metric::Schwarzschild(Schwarzschild::new(schwarzschild_radius)) }
     }
 
+    /// A hole of this Schwarzschild radius and spin a/M: Schwarzschild's without spin, flat space if the radius is 0.
+    pub fn spinning(placement: Placement, schwarzschild_radius: f64, spin: f64) -> Self {
+        if spin == 0.0 {
+            return Self::black_hole(placement.center, schwarzschild_radius);
+        }
+        KERR.with(placement, &[schwarzschild_radius, spin])
+    }
+
     /// Entry in the table of all.
     pub fn entry(&self) -> &'static Entry {
         match self {
             Self::Flat => &FLAT,
             Self::Spherical { metric, .. } => metric.entry(),
+            Self::Wormhole { metric, .. } => metric.entry(),
             Self::Spinning { hole, .. } if hole.charge() == 0.0 => &KERR,
             Self::Spinning { .. } => &KERR_NEWMAN,
             Self::Indexed(IndexMedium::SeveralHoles(_)) => &SEVERAL_HOLES,
@@ -286,11 +329,12 @@ impl SpacetimeKind {
         *self == Self::Flat
     }
 
-    /// World position of the centre, or of the middle of several things, if there is one.
+    /// World position of the centre, or of the middle of several things, if there is one; of a wormhole in the near world.
     pub fn center(&self) -> Option<DVec3> {
         match self {
             Self::Flat => None,
             Self::Spherical { center, .. } => Some(*center),
+            Self::Wormhole { mouths, .. } => Some(mouths.near),
             Self::Spinning { placement, .. } => Some(placement.center),
             Self::Indexed(medium) => Some(medium.middle()),
         }
@@ -302,31 +346,42 @@ impl SpacetimeKind {
             Self::Flat | Self::Indexed(_) => Placement::default(),
             Self::Spherical { center, .. } => (*center).into(),
             Self::Spinning { placement, .. } => *placement,
+            Self::Wormhole { mouths, .. } => (*mouths).into(),
         }
     }
 
     /// Centre and optical medium of a static, spherical spacetime.
     pub fn medium(&self) -> Option<(DVec3, Metric)> {
         match self {
-            Self::Flat | Self::Spinning { .. } | Self::Indexed(_) => None,
+            Self::Flat | Self::Wormhole { .. } | Self::Spinning { .. } | Self::Indexed(_) => None,
             Self::Spherical { center, metric } => Some((*center, *metric)),
+        }
+    }
+
+    /// Mouths and optical medium of a wormhole.
+    pub fn wormhole(&self) -> Option<(Mouths, Wormhole)> {
+        match self {
+            Self::Flat | Self::Spherical { .. } | Self::Spinning { .. } | Self::Indexed(_) => None,
+            Self::Wormhole { mouths, metric } => Some((*mouths, *metric)),
         }
     }
 
     /// Largest chart radius of the horizon, 0 if there is none.
     pub fn horizon(&self) -> f64 {
         match self {
-            Self::Flat | Self::Indexed(_) => 0.0,
+            Self::Flat | Self::Wormhole { .. } | Self::Indexed(_) => 0.0,
             Self::Spherical { metric, .. } => metric.horizon(),
             Self::Spinning { hole, .. } => hole.equatorial_radius(hole.horizon()),
         }
     }
 
-    /// Places of all holes, each with the largest impact parameter of rays from afar that it captures, 0 if none is.
+    /// Places of all holes, each with the largest impact parameter of rays from afar that it captures or lets through a
+    /// throat, 0 if none is.
     pub fn shadows(&self) -> Vec<(DVec3, f64)> {
         match self {
             Self::Flat => Vec::new(),
             Self::Spherical { center, metric } => vec![(*center, metric.critical_impact_parameter())],
+            Self::Wormhole { mouths, metric } => vec![(mouths.near, metric.critical_impact_parameter())],
             Self::Spinning { placement, hole } => vec![(placement.center, hole.shadow())],
             Self::Indexed(medium) => medium.sinks().iter().map(|sink| (sink.center, sink.shadow)).collect(),
         }
@@ -335,15 +390,22 @@ impl SpacetimeKind {
     /// Frames of things at rest.
     pub fn rest_frame(&self) -> RestFrame {
         match *self {
-            Self::Flat | Self::Spherical { .. } | Self::Indexed(_) => RestFrame::Conformal,
+            Self::Flat | Self::Spherical { .. } | Self::Wormhole { .. } | Self::Indexed(_) => {
+                RestFrame::Conformal
+            }
             Self::Spinning { placement, hole } => RestFrame::Spinning(placement, hole),
         }
+    }
+
+    /// True within the throat of a wormhole on a side: such places belong to neither world.
+    pub fn is_in_throat(&self, side: Side, point: DVec3) -> bool {
+        self.wormhole().is_some_and(|(mouths, metric)| point.distance(mouths.center(side)) < metric.throat())
     }
 
     /// True where nothing can be at rest: within a horizon, or in the ergosphere of a spinning hole.
     pub fn drags(&self, point: DVec3) -> bool {
         match self {
-            Self::Flat => false,
+            Self::Flat | Self::Wormhole { .. } => false,
             Self::Spherical { center, metric } => point.distance(*center) <= metric.horizon(),
             Self::Spinning { placement, hole } => hole.drags(placement.local(point)),
             Self::Indexed(_) => self.hides(point),
@@ -353,7 +415,7 @@ impl SpacetimeKind {
     /// True so near the horizon, or within, that no ray is followed there.
     pub fn hides(&self, point: DVec3) -> bool {
         match self {
-            Self::Flat => false,
+            Self::Flat | Self::Wormhole { .. } => false,
             Self::Spherical { center, metric } => point.distance(*center) <= Chart::innermost(metric),
             Self::Spinning { .. } => self.drags(point),
             Self::Indexed(medium) => {
@@ -367,6 +429,7 @@ impl SpacetimeKind {
         let values = match self {
             Self::Flat | Self::Indexed(_) => Vec::new(),
             Self::Spherical { metric, .. } => metric.values(),
+            Self::Wormhole { metric, .. } => metric.values(),
             Self::Spinning { hole, .. } => hole.values(),
         };
         self.entry().parameters.iter().zip(values)
@@ -403,6 +466,7 @@ impl SpacetimeKind {
         match self {
             Self::Flat => visitor.flat(),
             Self::Spherical { center, metric } => metric.visit(*center, visitor),
+            Self::Wormhole { mouths, metric } => metric.visit(*mouths, visitor),
             Self::Spinning { placement, hole } => visitor.spinning(*placement, *hole),
             Self::Indexed(IndexMedium::SeveralHoles(holes)) => visitor.indexed(holes),
             Self::Indexed(IndexMedium::Lenses(lenses)) => visitor.indexed(lenses),

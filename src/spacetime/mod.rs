@@ -22,8 +22,9 @@
 //! assert_eq!(Weak { k: 2.0 }.index_squared(0.5), 1.5);
 //! ```
 //!
-//! Then give it a name and parameters by implementing [`Named`], and its line in `spherical!` of `kind.rs`: scene
-//! files, `--spacetime`, `info`, meshes, light sampling and all studies follow.
+//! Then give it a name and parameters by implementing [`Named`], and its place in `media!` of `kind.rs`: scene files,
+//! `--spacetime`, `info`, meshes, light sampling and all studies follow. A wormhole is the same with a
+//! [`throat`](ConformallyFlat::throat), beyond which ρ → throat²/ρ is the other side: [`Mouths`] glues the two.
 //!
 //! # Adding one without symmetry
 //!
@@ -31,11 +32,13 @@
 
 mod chart;
 mod conformally_flat;
+mod ellis;
 mod index_field;
 mod kerr;
 mod kerr_newman;
 mod kind;
 mod lenses;
+mod mouths;
 mod named;
 mod parameter;
 mod placement;
@@ -43,13 +46,19 @@ mod reissner_nordstrom;
 mod rest_frame;
 mod schwarzschild;
 mod several_holes;
+mod side;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
-pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint, dot};
+pub use ellis::Ellis;
+pub(crate) use index_field::dot;
+pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint};
 pub use kerr_newman::KerrNewman;
-pub use kind::{Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor};
+pub use kind::{
+    Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole,
+};
 pub use lenses::{GradedLens, Lenses};
+pub use mouths::Mouths;
 pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
@@ -57,3 +66,4 @@ pub use reissner_nordstrom::ReissnerNordstrom;
 pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
+pub use side::{AtInfinity, Side};

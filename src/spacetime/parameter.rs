@@ -52,3 +52,13 @@ pub(super) const SCHWARZSCHILD_RADIUS: Parameter = Parameter {
     range: Range::Length,
     in_tables: None,
 };
+
+/// b₀: the least areal radius of a wormhole.
+pub(super) const THROAT_RADIUS: Parameter = Parameter {
+    key: "throat_radius",
+    column: "b0",
+    symbol: "b₀",
+    noun: "the throat radius",
+    range: Range::Length,
+    in_tables: None,
+};

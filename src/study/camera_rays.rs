@@ -145,7 +145,7 @@ impl ExactEnds {
         let rays: Vec<Ray> = (0..width * height)
             .map(|index| {
                 let (position, direction) = scene.camera.ray(center(index) / size, size.x / size.y);
-                Ray { position, direction, origin_prim: PrimitiveId::NONE }
+                Ray { position, direction, origin_prim: PrimitiveId::none_on(scene.camera.side) }
             })
             .collect();
         let ends = shoot(scene, &rays);
@@ -169,7 +169,7 @@ impl ExactEnds {
                     footprint.push(distance / (self.pixel * exact.position.distance(self.eye)));
                 }
                 (Outcome::Escaped(to), Outcome::Escaped(exact)) => {
-                    let angle = angle(to, exact);
+                    let angle = angle(to.direction, exact.direction);
                     direction.push(angle);
                     footprint.push(angle / self.pixel);
                 }

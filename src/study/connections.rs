@@ -58,6 +58,9 @@ pub struct Joints {
     pub hidden: usize,
 }
 
+/// Columns of the points of a pair.
+const X: [&str; 3] = ["x0", "x1", "x2"];
+const Y: [&str; 3] = ["y0", "y1", "y2"];
 /// Shortest and longest length whose powers are numbers.
 const LENGTHS: [f64; 2] = [1e-70, 1e70];
 /// Sine of an angle, or a distance relative to those from the hole, that is no more than rounding.
@@ -117,6 +120,12 @@ impl Joiner {
             }
         }
         let Some((metric, unit)) = spacetime.in_units() else {
+            if !spacetime.is_flat() {
+                let cause =
+                    format!("rays between points in a {} are not looked for", spacetime.entry().title);
+                let remedy = "give another --spacetime".to_owned();
+                return Err(InputError { input: Input::Both, cause, remedy });
+            }
             return Ok(Joints { found: vec![straight(x, y, spin)], hidden: 0 });
         };
         let Some(lens) = self.lens(metric) else {
@@ -124,7 +133,7 @@ impl Joiner {
             let remedy = "give another --spacetime".to_owned();
             return Err(InputError { input: Input::Both, cause, remedy });
         };
-        for (input, point) in [(Input::X, x), (Input::Y, y)] {
+        for (input, point) in [(Input::Columns(&X), x), (Input::Columns(&Y), y)] {
             let (rho, horizon) = (point.length() / unit, metric.horizon());
             if rho <= horizon * (1.0 + ROUNDING) {
                 return Err(InputError {

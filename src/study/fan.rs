@@ -5,12 +5,13 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::spinning_sections::SpinningHole;
 use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::Baked;
-use crate::spacetime::{ConformallyFlat, Metric};
+use crate::spacetime::{ConformallyFlat, Metric, Side, SpacetimeKind};
 use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
 
 /// Rays of a fan.
@@ -33,6 +34,9 @@ pub enum FanError {
     /// Rays cannot start there.
     #[error("the fan starts inside the horizon")]
     InsideHorizon,
+    /// Nothing is at rest there, nor the directions of the fan.
+    #[error("the fan starts in the ergosphere, where nothing is at rest")]
+    InErgosphere,
     /// No plane is perpendicular to that.
     #[error("the direction that is up from the plane points along the plane")]
     UpAlongPlane,
@@ -45,6 +49,11 @@ pub enum FanError {
 pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
+    spinning: Option<SpinningHole>,
+    /// Side of a wormhole that is drawn: the camera's.
+    side: Side,
+    /// Centre and radius of a wormhole's throat on that side.
+    throat: Option<(DVec3, f64)>,
     cuts: Vec<CrossSection>,
     view: FanPlane,
 }
@@ -95,12 +104,25 @@ impl Fan {
         if hole.is_some_and(|(center, medium)| center.distance(start) <= medium.horizon()) {
             return Err(FanError::InsideHorizon);
         }
-        let in_plane = hole.map(|(center, _)| center - start).unwrap_or(camera.forward).normalize();
+        let spinning = match scene.spacetime {
+            SpacetimeKind::Spinning { placement, hole } => Some(SpinningHole { placement, hole }),
+            SpacetimeKind::Flat
+            | SpacetimeKind::Spherical { .. }
+            | SpacetimeKind::Wormhole { .. }
+            | SpacetimeKind::Indexed(_) => None,
+        };
+        if spinning.is_some() && scene.spacetime.drags(start) {
+            return Err(FanError::InErgosphere);
+        }
+        let throat = scene.spacetime.wormhole();
+        let throat = throat.map(|(mouths, metric)| (mouths.center(camera.side), metric.throat()));
+        let center = hole.map(|(center, _)| center).or(throat.map(|(center, _)| center));
+        let center = center.or(spinning.map(|spinning| spinning.placement.center));
+        let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
-        let view =
-            FanPlane { origin: hole.map_or(start, |(center, _)| center), right, up: normal.cross(right) };
+        let view = FanPlane { origin: center.unwrap_or(start), right, up: normal.cross(right) };
 
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
         let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
@@ -111,12 +133,15 @@ impl Fan {
                 let forward = direction.dot(camera.forward);
                 let clear = near == 0.0 || forward > PARALLEL;
                 let position = if near > 0.0 { start + near / forward * direction } else { start };
-                clear.then_some(Ray { position, direction, origin_prim: PrimitiveId::NONE })
+                let origin_prim = PrimitiveId::none_on(camera.side);
+                clear.then_some(Ray { position, direction, origin_prim })
             })
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;
-        let cuts = scene.geometry.cross_section(&Plane { point: view.origin, normal });
-        Ok(Self { polylines: polylines(scene, &rays), hole, cuts, view })
+        let plane = Plane { point: view.origin, normal };
+        let cuts =
+            scene.geometry.of(camera.side).map_or_else(Vec::new, |around| around.cross_section(&plane));
+        Ok(Self { polylines: polylines(scene, &rays), hole, spinning, side: camera.side, throat, cuts, view })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -148,13 +173,15 @@ impl Fan {
     /// picture.
     fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
         let mut points = polyline.points.clone();
-        if let (Outcome::Escaped(direction), Some(&last)) = (polyline.end, points.last()) {
-            match &self.hole {
-                Some((center, medium)) => {
+        if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last()) {
+            match (&self.hole, &self.spinning) {
+                (Some((center, medium)), _) => {
                     let way_out = way_out(medium, last - center, polyline.heading, reach);
                     points.extend(way_out.into_iter().map(|point| center + point));
                 }
-                None => points.push(last + reach * direction),
+                (None, Some(spinning)) => points.extend(spinning.way_out(last, polyline.heading, reach)),
+                (None, None) if there.side != self.side => {}
+                (None, None) => points.push(last + reach * there.direction),
             }
         }
         points
@@ -196,7 +223,28 @@ impl Fan {
                 curves: circle(medium.horizon()),
             });
         }
-        let origin = if self.hole.is_some() { "the hole" } else { "the start" };
+        if let Some(spinning) = self.spinning {
+            let axes = [self.view.right, self.view.up];
+            let mut add = |name: &str, style: Style, curves: Vec<Vec<[f64; 2]>>| {
+                series.push(DataSeries { name: name.to_owned(), style, curves });
+            };
+            add("photon orbits", Style::dashed(Color::BLACK, 1.6), spinning.photon_orbits(axes));
+            add("ergosphere", Style::line(Color::GREY, 1.6), vec![spinning.ergosphere(axes)]);
+            add("horizon", Style::area(Color::BLACK), vec![spinning.horizon(axes)]);
+        }
+        if let Some((_, radius)) = self.throat {
+            series.push(DataSeries {
+                name: "throat".to_owned(),
+                style: Style::area(Color::BLACK),
+                curves: vec![circle(DVec2::ZERO, radius, 0.0, PI)],
+            });
+        }
+        let has_hole = self.hole.is_some() || self.spinning.is_some();
+        let origin = match self.throat {
+            _ if has_hole => "the hole",
+            Some(_) => "the throat",
+            None => "the start",
+        };
         let FanBounds { min, max } = frame;
         let side = max - min;
         let scale = (DIAGRAM[0] / side.x).min(DIAGRAM[1] / side.y);
@@ -218,9 +266,13 @@ impl Fan {
             let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
             polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
         }
-        if let (Some((_, medium)), Some(polyline)) = (self.hole, self.polylines.first()) {
+        let body = self.hole.map(|(_, medium)| medium.photon_sphere());
+        let body = body.or(self.spinning.map(|spinning| spinning.hole.outermost_photon_orbit()));
+        if let (Some(radius), Some(polyline)) =
+            (body.or(self.throat.map(|(_, radius)| radius)), self.polylines.first())
+        {
             let distance = DVec2::from(self.view.place(polyline.points[0])).length();
-            frame.hold(DVec2::ZERO, (AROUND_HOLE * medium.photon_sphere()).max(BESIDE_HOLE * distance));
+            frame.hold(DVec2::ZERO, (AROUND_HOLE * radius).max(BESIDE_HOLE * distance));
         }
         if frame.reach() == 0.0 {
             for cut in &self.cuts {

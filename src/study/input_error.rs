@@ -17,18 +17,14 @@ pub struct InputError {
 pub enum Input {
     /// The parameter of the spacetime that tables have in this column.
     Parameter(&'static str),
-    /// The point where the ray starts.
-    Start,
-    /// Its direction.
-    Direction,
-    /// The radius of the sphere.
-    Sphere,
+    /// The columns of these names.
+    Columns(&'static [&'static str]),
+    /// The spacetime.
+    Spacetime,
     /// The stepper.
     Stepper,
-    /// The point x of a pair.
-    X,
-    /// The point y of a pair.
-    Y,
+    /// Numbers that the ray is followed in.
+    Precision,
     /// Position of a pair's points relative to each other.
     Both,
 }

@@ -20,6 +20,7 @@ pub(crate) mod reference;
 mod render;
 pub(crate) mod report;
 pub(crate) mod rounds;
+mod spinning_sections;
 pub(crate) mod table;
 pub(crate) mod table_rays;
 mod trade_off;

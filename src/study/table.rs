@@ -8,6 +8,11 @@ use super::estimate::Estimate;
 /// Text of a printed cell without a value.
 pub const NONE: &str = "–";
 
+/// The cell of a number, which reads back exactly.
+pub fn number_cell(number: f64) -> String {
+    format!("{number:?}")
+}
+
 /// A row: the name of each column and the cell in it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableRow(Vec<(String, String)>);

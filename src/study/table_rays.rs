@@ -4,12 +4,11 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use glam::DVec3;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::errors::{Spread, angle, median};
-use super::free::{self, Accuracy, Arrival, FreeRay, FreeRayEnd};
+use super::free::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use super::input_error::InputError;
 use super::report::Report;
 use super::rounds::Study;
@@ -25,8 +24,8 @@ use crate::spacetime::SpacetimeKind;
 pub struct Case {
     /// Spacetime that it runs in.
     pub spacetime: SpacetimeKind,
-    /// The ray.
-    pub ray: FreeRay,
+    /// Cells that describe the ray.
+    pub ray: Cells,
     /// Exact end.
     pub exact: Exact,
 }
@@ -37,18 +36,7 @@ pub struct Exact {
     /// Status at the end.
     pub status: FreeRayEnd,
     /// Crossing of its sphere, if it escapes.
-    pub crossing: Option<ExactCrossing>,
-}
-
-/// Crossing of a ray with its sphere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExactCrossing {
-    /// Position, in the chart.
-    pub position: DVec3,
-    /// Unit direction of travel.
-    pub direction: DVec3,
-    /// Radians there per radian of the starting direction.
-    pub sens: f64,
+    pub crossing: Option<SphereCrossing>,
 }
 
 /// Errors of the ends of rays.
@@ -116,20 +104,16 @@ impl Exact {
     /// The end of `ray` as the most exact stepper finds it.
     ///
     /// # Errors
-    /// As [`free::trace`].
-    pub fn followed(spacetime: &SpacetimeKind, ray: &FreeRay) -> Result<Self, InputError> {
-        let exit = free::trace(spacetime, ray, &EXACT)?;
-        let crossing = exit.crossing.map(|crossing| ExactCrossing {
-            position: crossing.position,
-            direction: crossing.direction,
-            sens: crossing.sens,
-        });
-        Ok(Self { status: exit.status, crossing })
+    /// As [`TableForm::trace`].
+    pub fn followed(form: &TableForm, spacetime: &SpacetimeKind, ray: &Cells) -> Result<Self, InputError> {
+        let Traced { status, crossing, .. } = (form.trace)(spacetime, ray, &EXACT)?;
+        Ok(Self { status, crossing })
     }
 }
 
 /// Rays that are followed in all settings.
 pub struct TableRays<'a> {
+    form: &'static TableForm,
     cases: &'a [Case],
     settings: Vec<Accuracy>,
     /// Without one, rayon's own.
@@ -153,7 +137,7 @@ impl Study for TableRays<'_> {
         let accuracy = self.settings[setting];
         let arrivals = self.arrivals(&accuracy)?;
         let steps: f64 = arrivals.iter().map(|arrival| f64::from(arrival.steps)).sum();
-        let errors = TableRayErrors::of(self.cases, &arrivals, accuracy.tolerance);
+        let errors = TableRayErrors::of(self.form, self.cases, &arrivals, accuracy.tolerance);
         self.found.push((errors, steps / self.cases.len() as f64));
         Ok(())
     }
@@ -189,11 +173,11 @@ impl Study for TableRays<'_> {
 }
 
 impl<'a> TableRays<'a> {
-    /// A study of `settings` on `cases`; 0 `threads` means one per core.
-    pub fn new(cases: &'a [Case], settings: Vec<Accuracy>, threads: usize) -> Self {
+    /// A study of `settings` on `cases` of a form; 0 `threads` means one per core.
+    pub fn new(form: &'static TableForm, cases: &'a [Case], settings: Vec<Accuracy>, threads: usize) -> Self {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().ok();
         let repeats = vec![1; settings.len()];
-        Self { cases, settings, pool, found: Vec::new(), repeats }
+        Self { form, cases, settings, pool, found: Vec::new(), repeats }
     }
 
     fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
@@ -205,7 +189,8 @@ impl<'a> TableRays<'a> {
 
     fn arrivals(&self, accuracy: &Accuracy) -> Result<Vec<Arrival>, TableRayError> {
         let arrive = |(index, case): (usize, &Case)| {
-            free::arrive(&case.spacetime, &case.ray, accuracy).map_err(|fault| TableRayError { index, fault })
+            (self.form.arrive)(&case.spacetime, &case.ray, accuracy)
+                .map_err(|fault| TableRayError { index, fault })
         };
         self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
     }
@@ -216,7 +201,7 @@ impl<'a> TableRays<'a> {
         self.install(|| {
             (0..rays).into_par_iter().with_min_len(GRAIN).for_each(|index| {
                 let case = &self.cases[index % self.cases.len()];
-                let _ = black_box(free::arrive(&case.spacetime, &case.ray, accuracy));
+                let _ = black_box((self.form.arrive)(&case.spacetime, &case.ray, accuracy));
             });
         });
         started.elapsed().as_secs_f64()
@@ -224,18 +209,19 @@ impl<'a> TableRays<'a> {
 }
 
 impl TableRayErrors {
-    fn of(cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
+    fn of(form: &TableForm, cases: &[Case], arrivals: &[Arrival], tolerance: f64) -> Self {
         let (mut direction, mut direction_over_sens) = (Vec::new(), Vec::new());
         let (mut position, mut position_over_sens) = (Vec::new(), Vec::new());
         let mut differ = 0;
         let (mut above, mut worst) = (0, 0.0_f64);
-        for (Case { ray, exact, .. }, arrival) in cases.iter().zip(arrivals) {
+        for (Case { spacetime, ray, exact }, arrival) in cases.iter().zip(arrivals) {
             if arrival.status != exact.status {
                 differ += 1;
                 continue;
             }
             let (Some((x, d)), Some(exact)) = (arrival.crossing, exact.crossing) else { continue };
-            let (turned, off) = (angle(d, exact.direction), x.distance(exact.position) / ray.r_out);
+            let (turned, off) =
+                (angle(d, exact.direction), x.distance(exact.position) / (form.radius)(spacetime, ray));
             direction.push(turned);
             direction_over_sens.push(turned / exact.sens);
             position.push(off);
@@ -330,11 +316,13 @@ impl TradeOff for TableRayMeasurement {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     fn case(sens: f64) -> Case {
-        let ray = FreeRay { start: DVec3::X, direction: DVec3::X, r_out: 2.0 };
-        let crossing = ExactCrossing { position: 2.0 * DVec3::X, direction: DVec3::X, sens };
+        let ray = Cells { needed: vec![1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0], optional: Vec::new() };
+        let crossing = SphereCrossing { position: 2.0 * DVec3::X, direction: DVec3::X, sens };
         let exact = Exact { status: FreeRayEnd::Escaped, crossing: Some(crossing) };
         Case { spacetime: SpacetimeKind::Flat, ray, exact }
     }
@@ -353,12 +341,13 @@ mod tests {
             arrival(FreeRayEnd::Captured, 0.0),
             arrival(FreeRayEnd::Escaped, 0.0),
         ];
-        let errors = TableRayErrors::of(&cases, &arrivals, 5e-3);
+        let form = TableForm::of(SpacetimeKind::Flat.entry());
+        let errors = TableRayErrors::of(form, &cases, &arrivals, 5e-3);
         assert_eq!((errors.rays, errors.compared, errors.differ), (4, 3, 0.25));
         assert_eq!(errors.direction.unwrap().max, 0.0);
         assert_eq!(errors.position.unwrap().max, 0.01);
         assert_eq!(errors.position_over_sens.unwrap().median, 0.001);
         assert_eq!(errors.honesty, Some(Honesty { above: 1.0 / 3.0, worst: 2.0 }));
-        assert_eq!(TableRayErrors::of(&cases[2..3], &arrivals[2..3], 1.0).honesty, None);
+        assert_eq!(TableRayErrors::of(form, &cases[2..3], &arrivals[2..3], 1.0).honesty, None);
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::geodesic::Arc;
-use crate::geometry::{Found, PrimitiveId};
+use crate::geometry::{Found, Geometry, PrimitiveId};
 use crate::scene::Baked;
 
 /// Search along arcs among a scene's geometry.
@@ -28,13 +28,18 @@ const SAGITTA: f64 = 1.0;
 impl ArcSweep {
     /// Search among the geometry of `scene` along arcs that come as near to their rays as `arc_tolerance`.
     pub fn new(scene: &Baked, arc_tolerance: f64) -> Self {
-        let (low, high) = scene.geometry.bounds().unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
+        Self::among(Some(&scene.geometry), arc_tolerance)
+    }
+
+    /// Search among a side's geometry, if there is any.
+    pub fn among(geometry: Option<&Geometry>, arc_tolerance: f64) -> Self {
+        let bounds = geometry.and_then(Geometry::bounds);
+        let (low, high) = bounds.unwrap_or((DVec3::INFINITY, DVec3::NEG_INFINITY));
+        let boxes = geometry.filter(|geometry| !geometry.is_small::<Arc>());
         Self {
-            longest_sagitta: if scene.geometry.is_small::<Arc>() {
-                f64::INFINITY
-            } else {
-                (4.0 * arc_tolerance).max(SAGITTA * scene.geometry.typical_extent())
-            },
+            longest_sagitta: boxes.map_or(f64::INFINITY, |geometry| {
+                (4.0 * arc_tolerance).max(SAGITTA * geometry.typical_extent())
+            }),
             longest_chord: CHORD * low.distance(high),
             bounds: (low, high),
         }
@@ -68,7 +73,7 @@ impl ArcSweep {
         if self.is_split(arc, halvings) {
             let (left, right) = arc.halves();
             let first = self.search(&left, origin_prim, halvings + 1, search);
-            return first.or_else(|| self.search(&right, PrimitiveId::NONE, halvings + 1, search));
+            return first.or_else(|| self.search(&right, origin_prim.none_beside(), halvings + 1, search));
         }
         search(arc, origin_prim)
     }

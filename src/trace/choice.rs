@@ -3,17 +3,20 @@
 use glam::DVec3;
 
 use super::arc_sweep::ArcSweep;
-use super::curved::march::march;
+use super::curved::march::{March, march, march_by};
+use super::curved::worlds::{OneWorld, TwoWorlds};
 use super::curved::{Curved, Lane};
 use super::field::FieldTransport;
 use super::paper::PaperMarch;
 use super::spinning::Spinning;
 use super::straight::Straight;
 use super::transport::TransportVisitor;
-use crate::geodesic::Control;
+use crate::geodesic::{Control, Rkn6};
 use crate::light::Punctual;
 use crate::scene::{Baked, Precision};
-use crate::spacetime::{Chart, ConformallyFlat, IndexField, KerrNewman, Placement, SpacetimeVisitor};
+use crate::spacetime::{
+    Chart, ConformallyFlat, IndexField, KerrNewman, Mouths, Placement, Side, SpacetimeVisitor,
+};
 
 /// Runs `visitor` with the transport of a render.
 pub fn with_render_transport<E: TransportVisitor>(scene: &Baked, visitor: E) -> E::Output {
@@ -31,7 +34,7 @@ pub fn with_medium<M: ConformallyFlat, E: TransportVisitor>(
 
 /// True if directions at infinity are needed: only an environment asks for them.
 fn has_sky(scene: &Baked) -> bool {
-    !scene.environment.is_black()
+    Side::BOTH.into_iter().any(|side| !scene.environment(side).is_black())
 }
 
 /// Runs `visitor` with the transport that the scene's spacetime and settings call for.
@@ -82,46 +85,82 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
         let (nearest, farthest) = scene.geometry.radii(center).unwrap_or((f64::INFINITY, 0.0));
         let lights = positions(scene).map(|light| light.distance(center));
         let nearest = lights.fold(nearest.min(core), f64::min);
-        let place = CenteredMedium { medium, center, sky, chart: Chart::new(&medium, nearest, farthest) };
+        let chart = Chart::new(&medium, nearest, farthest);
+        let arc_tolerance = scene.arc_tolerance_around(center);
+        let worlds = OneWorld { center, sweep: ArcSweep::new(scene, arc_tolerance) };
+        let place = CenteredMedium { medium, worlds, sky, chart, arc_tolerance };
         match scene.settings.precision {
             Precision::F32 => place.run::<f32, E>(scene, visitor),
             Precision::F64 => place.run::<f64, E>(scene, visitor),
         }
     }
+
+    fn wormhole<M: ConformallyFlat>(self, mouths: Mouths, medium: M) -> E::Output {
+        let Self { scene, sky, visitor, .. } = self;
+        let arc_tolerance = scene.arc_tolerance();
+        let reach = |side| scene.geometry.of(side)?.radii(mouths.center(side));
+        let farthest = Side::BOTH.into_iter().filter_map(reach).fold(0.0, |most, (_, r)| r.max(most));
+        let world = |side| OneWorld {
+            center: mouths.center(side),
+            sweep: ArcSweep::among(scene.geometry.of(side), arc_tolerance),
+        };
+        let (near, far) = (world(Side::Near), world(Side::Far));
+        let worlds = TwoWorlds { near, far, mouths, throat: medium.throat() };
+        let place =
+            CenteredMedium { medium, worlds, sky, chart: Chart::to_throat(&medium, farthest), arc_tolerance };
+        match scene.settings.precision {
+            Precision::F32 => visitor.run(place.through::<f32>(scene)),
+            Precision::F64 => visitor.run(place.through::<f64>(scene)),
+        }
+    }
 }
 
 /// A spacetime in its place.
-struct CenteredMedium<M> {
+struct CenteredMedium<M, W> {
     medium: M,
-    center: DVec3,
+    worlds: W,
     /// True if the directions of escaped rays at infinity matter.
     sky: bool,
     chart: Chart,
+    /// Largest distance between an arc and the curve.
+    arc_tolerance: f64,
 }
 
-impl<M: ConformallyFlat> CenteredMedium<M> {
-    fn run<R: Lane, E: TransportVisitor>(&self, scene: &Baked, visitor: E) -> E::Output {
-        match self.curved::<R>(scene) {
-            Some(curved) => visitor.run(curved),
-            None => visitor.run(PaperMarch { medium: self.medium, center: self.center, chart: self.chart }),
+impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
+    fn run<R: Lane, E: TransportVisitor>(self, scene: &Baked, visitor: E) -> E::Output {
+        let (medium, center, chart) = (self.medium, self.worlds.center, self.chart);
+        let control = self.control::<R>(scene);
+        match march(medium, scene.settings.stepper, control, R::of(chart.outer)) {
+            Some(march) => visitor.run(self.curved(scene, control, march)),
+            None => visitor.run(PaperMarch { medium, center, chart }),
         }
     }
+}
 
-    /// Rays on orbits; `None` if the stepper knows none.
-    fn curved<R: Lane>(&self, scene: &Baked) -> Option<Curved<M, R>> {
-        let arc_tolerance = scene.arc_tolerance_around(self.center);
-        let control = Control::new(&self.medium, scene.settings.tolerance, arc_tolerance);
-        let outer = R::of(self.chart.outer);
-        Some(Curved {
-            medium: self.medium,
-            march: march(self.medium, scene.settings.stepper, control, outer)?,
-            control,
-            tolerance: scene.settings.tolerance,
-            arc_tolerance,
-            center: self.center,
-            sky: self.sky,
-            chart: self.chart,
-            sweep: ArcSweep::new(scene, arc_tolerance),
-        })
+impl<M: ConformallyFlat> CenteredMedium<M, TwoWorlds> {
+    /// Rays through a throat; the paper's scheme, which knows none, gives way to rkn6.
+    fn through<R: Lane>(self, scene: &Baked) -> Curved<M, R, TwoWorlds> {
+        let (control, outer) = (self.control::<R>(scene), R::of(self.chart.outer));
+        let march = march(self.medium, scene.settings.stepper, control, outer)
+            .unwrap_or_else(|| march_by(Rkn6, self.medium, control, outer));
+        self.curved(scene, control, march)
+    }
+}
+
+impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
+    fn control<R: Lane>(&self, scene: &Baked) -> Control<R> {
+        Control::new(&self.medium, scene.settings.tolerance, self.arc_tolerance)
+    }
+
+    /// Rays on orbits.
+    fn curved<R: Lane>(
+        self,
+        scene: &Baked,
+        control: Control<R>,
+        march: Box<dyn March<R>>,
+    ) -> Curved<M, R, W> {
+        let Self { medium, worlds, sky, chart, arc_tolerance } = self;
+        let tolerance = scene.settings.tolerance;
+        Curved { medium, march, worlds, sky, chart, control, tolerance, arc_tolerance }
     }
 }

@@ -6,9 +6,11 @@ use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
     EmitterHit, Guide, Heuristic, Incoming, LightRayEnd, LightSample, LightSampler, Lights, Neighbourhood,
-    Receiver, StraightAim, Target,
+    Receiver, StraightAim, Target, Transmission,
 };
 use crate::scene::{Baked, LightSampling};
+use crate::shade::Environment;
+use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 
 /// State of light sampling: lights, sampler, guide, heuristic.
 pub struct Illumination {
@@ -16,10 +18,19 @@ pub struct Illumination {
     pub lights: Lights,
     /// Sampling with the aim of the scene's transport, or a straight one on request.
     sampler: Box<dyn LightSampler>,
-    /// Directions of light through mirrors and glass, once they are learned.
-    pub guide: Option<Guide>,
+    /// Directions of light through mirrors and glass by side, near and far, once they are learned.
+    pub guides: [Option<Guide>; 2],
     /// Heuristic that shares light; `None`: all of it belongs to light sampling, as in the paper, nothing is learned.
     pub heuristic: Option<Heuristic>,
+}
+
+/// End of a ray that found light.
+#[derive(Clone, Copy, Debug)]
+pub enum LightEnd<'a> {
+    /// A surface, with its unit normal.
+    Surface(&'a Landing, DVec3),
+    /// At infinity.
+    AtInfinity(AtInfinity),
 }
 
 /// Least orientation factor of lights where the straight direction to them is a guess.
@@ -32,7 +43,7 @@ pub struct LightSummary {
     pub surfaces: usize,
     /// Punctual lights.
     pub punctual: usize,
-    /// True if directions of the sky are sampled.
+    /// True if directions of a sky are sampled.
     pub sky: bool,
     /// True if rays are guided through mirrors and glass.
     pub is_guided: bool,
@@ -56,10 +67,23 @@ impl Illumination {
         let sampler: Box<dyn LightSampler> =
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
-        let lights =
-            Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor);
+        let (environment, punctual) = if sampler.samples_all() {
+            (&scene.environment, &scene.punctual[..])
+        } else {
+            (&Environment::Black, &[][..])
+        };
+        let lights = Lights::new(&scene.geometry, &scene.materials, environment, punctual, floor)
+            .with_far(&scene.far.environment, &scene.far.punctual);
+        let lights = match scene.spacetime.wormhole() {
+            Some((mouths, metric)) => lights.through(Transmission {
+                mouths,
+                radius: metric.throat(),
+                critical: metric.critical_impact_parameter(),
+            }),
+            None => lights,
+        };
         let heuristic = (!straight).then_some(settings.heuristic);
-        (!lights.is_empty()).then_some(Self { lights, sampler, guide: None, heuristic })
+        (!lights.is_empty()).then_some(Self { lights, sampler, guides: [None, None], heuristic })
     }
 
     /// Summarizes it for `scene`, which it is of.
@@ -67,7 +91,11 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: scene.punctual.len(),
+            punctual: if self.sampler.samples_all() {
+                scene.punctual.len() + scene.far.punctual.len()
+            } else {
+                0
+            },
             sky: self.lights.has_sky(),
             is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }
@@ -75,7 +103,7 @@ impl Illumination {
 
     /// True if light through mirrors and glass is sampled.
     pub fn is_guided(&self) -> bool {
-        self.guide.is_some()
+        self.guides.iter().any(Option::is_some)
     }
 
     /// A direction in which light may come to `receiver`, from four numbers in [0, 1): densities and probabilities are
@@ -94,15 +122,14 @@ impl Illumination {
             self.sampler.sample(&self.lights, receiver, numbers)?;
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
-            Incoming::Sky(at_infinity, density) => Incoming::Sky(at_infinity, direct * density),
+            Incoming::Sky(there, density) => Incoming::Sky(there, direct * density),
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })
     }
 
-    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light on a surface (with
-    /// the normal there), or at infinity in the unit `direction` of travel.
-    pub fn density(&self, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f64 {
+    /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.
+    pub fn density(&self, vertex: &Vertex, end: LightEnd) -> f64 {
         let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
         let near = self.near(&receiver);
         if vertex.after_specular {
@@ -110,20 +137,25 @@ impl Illumination {
             return near.map_or(0.0, density);
         }
         let (lights, out) = (&self.lights, vertex.direction);
-        let density = match surface {
-            Some((landing, normal)) => {
-                let Landing { primitive, position, .. } = *landing;
-                let hit = EmitterHit { primitive, position, normal, arrival: direction };
+        let density = match end {
+            LightEnd::Surface(landing, normal) => {
+                let Landing { primitive, position, direction: arrival } = *landing;
+                let hit = EmitterHit { primitive, position, normal, arrival };
                 self.sampler.surface_density(lights, &receiver, out, &hit)
             }
-            None => self.sampler.sky_density(lights, &receiver, out, direction),
+            LightEnd::AtInfinity(there) => self.sampler.sky_density(lights, &receiver, out, there),
         };
         (1.0 - near.map_or(0.0, |near| near.share)) * density
     }
 
     /// Neighbourhood of a receiver in the guide; `None` if no light through mirrors and glass is known there.
     fn near(&self, receiver: &Receiver) -> Option<Neighbourhood<'_>> {
-        self.guide.as_ref()?.around(receiver.position)
+        let [near, far] = &self.guides;
+        let guide = match receiver.on.side() {
+            Side::Near => near,
+            Side::Far => far,
+        };
+        guide.as_ref()?.around(receiver.position)
     }
 
     /// True if a light ray that lands has reached its target.

@@ -30,7 +30,7 @@ impl<'a> Job<'a> {
             SamplerKind::Independent => Sampler::independent(settings.seed),
         };
         let camera = &scene.camera;
-        let media = media_around(scene, camera.position + camera.near * camera.forward);
+        let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
         Self { scene, settings, sampler, media, illumination: None, halt }
     }
 }

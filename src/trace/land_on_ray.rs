@@ -288,7 +288,7 @@ fn land<T: Retrace>(
         let course = transport.course(&flight, &step);
         if course.is_some_and(|course| moved < 0.1 * position.distance(course.chord().start)) {
             let tangent = Line { p0: position - reach, p2: position + reach };
-            if let Some(hit) = geometry.intersect(&tangent, PrimitiveId::NONE) {
+            if let Some(hit) = geometry.intersect(&tangent, primitive.none_beside()) {
                 return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
             }
         }

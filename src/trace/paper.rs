@@ -10,7 +10,7 @@ use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::light::{Lensed, LightSampler};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
-use crate::spacetime::{Chart, ConformallyFlat, Fate};
+use crate::spacetime::{AtInfinity, Chart, ConformallyFlat, Fate};
 
 /// First step \[J\].
 const FIRST_STEP: f64 = 10.0;
@@ -109,9 +109,9 @@ impl<M: ConformallyFlat> PaperMarch<M> {
         let control = Control::new(&self.medium, TAIL, f64::INFINITY);
         let ray = (orbit.b, Phase::new(&self.medium, orbit.w, orbit.v), orbit.fate);
         match follow(&self.medium, &Rkn6, &control, ray, 0.0, |_| {}).end {
-            OrbitEnd::Crosses(_, swept) => Outcome::Escaped(
+            OrbitEnd::Crosses(_, swept) => Outcome::Escaped(AtInfinity::near(
                 (orbit.radial * libm::cos(swept) + orbit.along * libm::sin(swept)).normalize(),
-            ),
+            )),
             _ => Outcome::NonFinite,
         }
     }

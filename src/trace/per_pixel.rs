@@ -42,8 +42,8 @@ fn trace_path<T: Transport>(
     let geometry = &job.scene.geometry;
     let (mut path, position, direction) = generate(job, work, index);
     let mut carried = T::Carried::default();
-    let mut flight =
-        transport.launch(&Start { position, direction, origin_prim: PrimitiveId::NONE, carried });
+    let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
+    let mut flight = transport.launch(&Start { position, direction, origin_prim, carried });
     let mut vertex = Vertex::default();
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
@@ -77,8 +77,8 @@ fn trace_path<T: Transport>(
                     }
                     false
                 }
-                LightRayProgress::Escaped(direction) => {
-                    light::escape(job, &mut path, &vertex, direction);
+                LightRayProgress::Escaped(there) => {
+                    light::escape(job, &mut path, &vertex, there);
                     false
                 }
                 LightRayProgress::Ended(is_reached) => is_reached,
@@ -90,7 +90,7 @@ fn trace_path<T: Transport>(
             continue;
         }
         let (outcome, arrived) = transport.settle(Some(geometry), &flight, &step, found);
-        let fate = match outcome {
+        let (fate, side) = match outcome {
             Outcome::Flying(next) => {
                 flight = next;
                 continue;
@@ -109,25 +109,25 @@ fn trace_path<T: Transport>(
                     None => break,
                 }
             }
-            Outcome::Escaped(direction) => {
+            Outcome::Escaped(there) => {
                 counters.fates.escaped += 1;
-                escape(job, &mut path, &vertex, direction);
-                RayEnd::Escaped
+                escape(job, &mut path, &vertex, there);
+                (RayEnd::Escaped, Some(there.side))
             }
             Outcome::Captured => {
                 counters.fates.captured += 1;
-                RayEnd::Captured
+                (RayEnd::Captured, None)
             }
             Outcome::StepLimit => {
                 counters.fates.step_limit += 1;
-                RayEnd::StepLimit
+                (RayEnd::StepLimit, None)
             }
             Outcome::NonFinite => {
                 counters.fates.non_finite += 1;
-                RayEnd::NonFinite
+                (RayEnd::NonFinite, None)
             }
         };
-        record_end(job, &path, fate, samples);
+        record_end(job, &path, fate, side, samples);
         break;
     }
     samples.radiance[path.slot as usize] = path.radiance;

@@ -15,7 +15,7 @@ use crate::scene::{Baked, StepperKind};
 /// A ray's path and its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
-    /// World points from the start to the end, or to where nothing more can be met.
+    /// World points from the start to the end, or to where nothing more can be met, or to the throat of a wormhole.
     pub points: Vec<DVec3>,
     /// Unit direction of travel at the last of them.
     pub heading: DVec3,
@@ -55,6 +55,7 @@ fn polyline<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Poly
         follow(transport, geometry, &ray.start(), &Halt::default(), |flight, step, found, landing| {
             // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
             let taken = landing.is_some() || found.is_none();
+            let taken = taken && transport.side(flight) == ray.origin_prim.side();
             if let Some(course) = transport.course(flight, step).filter(|_| taken) {
                 extend(&mut points, &course, landing.map(|landing| landing.position));
                 heading = landing.map_or(course.heading(), |landing| landing.direction);

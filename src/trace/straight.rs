@@ -7,6 +7,7 @@ use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
 use crate::light::{LightSampler, StraightAim};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
+use crate::spacetime::AtInfinity;
 
 /// Rays of flat space, followed to where they leave the scene's bounds.
 pub struct Straight {
@@ -134,7 +135,7 @@ impl Transport for Straight {
             Some(Found { point, primitive }) => {
                 Outcome::Landed(Landing { position: point, direction, primitive })
             }
-            None => Outcome::Escaped(direction),
+            None => Outcome::Escaped(AtInfinity::near(direction)),
         };
         (outcome, ())
     }

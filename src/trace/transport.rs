@@ -12,6 +12,7 @@ use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
+use crate::spacetime::{AtInfinity, Side};
 
 /// Arrival of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +32,8 @@ pub enum Outcome<Flight> {
     Flying(Flight),
     /// It meets a surface.
     Landed(Landing),
-    /// It leaves to infinity, with this unit direction there.
-    Escaped(DVec3),
+    /// It leaves to infinity.
+    Escaped(AtInfinity),
     /// It falls through the horizon.
     Captured,
     /// It took more steps than allowed.
@@ -48,7 +49,7 @@ impl<Flight> Outcome<Flight> {
         match self {
             Self::Flying(next) => Err(next),
             Self::Landed(landing) => Ok(Outcome::Landed(landing)),
-            Self::Escaped(direction) => Ok(Outcome::Escaped(direction)),
+            Self::Escaped(there) => Ok(Outcome::Escaped(there)),
             Self::Captured => Ok(Outcome::Captured),
             Self::StepLimit => Ok(Outcome::StepLimit),
             Self::NonFinite => Ok(Outcome::NonFinite),
@@ -63,7 +64,7 @@ pub struct Start<C = ()> {
     pub position: DVec3,
     /// Unit direction in the static frame.
     pub direction: DVec3,
-    /// The primitive it lies on.
+    /// The primitive it lies on, or none: on the ray's side of a wormhole.
     pub origin_prim: PrimitiveId,
     /// Payload of the ray from there.
     pub carried: C,
@@ -96,8 +97,9 @@ pub trait Transport: Send + Sync + Sized {
     /// Memory that a wavefront keeps from round to round.
     type Scratch: Default + Send;
     /// Payload of a ray: its state beside place and direction, which passes from its start to its end, and on to the
-    /// rays that start there: the side of a wormhole, time, the ratio of frequencies. Nothing, `()`, takes neither
-    /// memory nor time. Rays of the camera and of lamps start with the default.
+    /// rays that start there: time, the ratio of frequencies. (The side of a wormhole is told by the primitives that a
+    /// ray starts and ends on.) Nothing, `()`, takes neither memory nor time. Rays of the camera and of lamps start with
+    /// the default.
     type Carried: Copy + Debug + Default + PartialEq + Send + Sync;
     /// True if all rays are straight lines.
     const IS_STRAIGHT: bool = false;
@@ -170,6 +172,11 @@ pub trait Transport: Send + Sync + Sized {
         }
     }
 
+    /// Side of a wormhole that a ray is on before its move.
+    fn side(&self, _: &Self::Flight) -> Side {
+        Side::Near
+    }
+
     /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Self::Segment>;
 
@@ -213,7 +220,7 @@ mod tests {
 
     /// The half of a room with a door in the plane x = 0.
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
-    pub enum Side {
+    pub enum Half {
         /// x < 0.
         #[default]
         Near,
@@ -221,7 +228,7 @@ mod tests {
         Far,
     }
 
-    plain_field!(Side);
+    plain_field!(Half);
 
     columns! {
         /// A straight ray on its side.
@@ -232,8 +239,8 @@ mod tests {
             direction: DVec3,
             /// Primitive that it starts on.
             origin_prim: PrimitiveId,
-            /// Side on which it starts.
-            side: Side,
+            /// Half on which it starts.
+            side: Half,
         }
     }
 
@@ -252,13 +259,13 @@ mod tests {
         type Move = StraightMove;
         type Segment = Line;
         type Scratch = ();
-        type Carried = Side;
+        type Carried = Half;
 
         fn sampler(&self, _: u32) -> Option<Box<dyn LightSampler>> {
             None
         }
 
-        fn launch(&self, start: &Start<Side>) -> SidedFlight {
+        fn launch(&self, start: &Start<Half>) -> SidedFlight {
             let &Start { position, direction, origin_prim, carried: side } = start;
             SidedFlight { position, direction, origin_prim, side }
         }
@@ -306,17 +313,17 @@ mod tests {
             flight: &SidedFlight,
             step: &StraightMove,
             found: Option<Found>,
-        ) -> (Outcome<SidedFlight>, Side) {
+        ) -> (Outcome<SidedFlight>, Half) {
             let (outcome, ()) = self.0.settle(geometry, &self.straight(flight), step, found);
             let end = found.map_or(step.end, |found| found.point);
             let side = match (flight.side, flight.position.x * end.x < 0.0) {
                 (side, false) => side,
-                (Side::Near, true) => Side::Far,
-                (Side::Far, true) => Side::Near,
+                (Half::Near, true) => Half::Far,
+                (Half::Far, true) => Half::Near,
             };
             let outcome = match outcome {
                 Outcome::Landed(landing) => Outcome::Landed(landing),
-                Outcome::Escaped(direction) => Outcome::Escaped(direction),
+                Outcome::Escaped(there) => Outcome::Escaped(there),
                 other => panic!("{other:?} of a straight ray"),
             };
             (outcome, side)
@@ -342,10 +349,10 @@ mod tests {
             position: DVec3::new(-3.0, 0.0, 0.0),
             direction: DVec3::X,
             origin_prim: PrimitiveId::NONE,
-            carried: Side::Near,
+            carried: Half::Near,
         };
         let mut batch = RayBatch::default();
-        let mut fly = |start: &Start<Side>| {
+        let mut fly = |start: &Start<Half>| {
             let (shot, side) = follow(&sided, &geometry, start, &halt, |_, _, _, _| {});
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
@@ -356,8 +363,8 @@ mod tests {
             Start { position, direction: -direction, origin_prim, carried: side }
         };
         let there = fly(&start);
-        assert!((there.position.x - 4.0).abs() < 1e-12 && there.carried == Side::Far, "{there:?}");
+        assert!((there.position.x - 4.0).abs() < 1e-12 && there.carried == Half::Far, "{there:?}");
         let back = fly(&there);
-        assert!((back.position.x + 4.0).abs() < 1e-12 && back.carried == Side::Near, "{back:?}");
+        assert!((back.position.x + 4.0).abs() < 1e-12 && back.carried == Half::Near, "{back:?}");
     }
 }

@@ -21,7 +21,7 @@ use super::vertex::Vertex;
 use super::work::Work;
 use crate::geometry::{PrimitiveId, Search};
 use crate::math::columns::{Columns, LANES};
-use glam::DVec3;
+use crate::spacetime::AtInfinity;
 
 /// A worker's rays.
 pub struct Wavefront<T: Transport> {
@@ -56,8 +56,8 @@ struct Events<C> {
     /// Light rays that met mirrors or glass, or what they look for behind them.
     specular: Vec<(usize, Landing)>,
     /// Light rays that left beyond mirrors and glass.
-    gone: Vec<(usize, DVec3)>,
-    escaped: Vec<(usize, DVec3)>,
+    gone: Vec<(usize, AtInfinity)>,
+    escaped: Vec<(usize, AtInfinity)>,
     ended: Vec<(usize, RayEnd)>,
     finished: Vec<usize>,
 }
@@ -157,7 +157,8 @@ impl<T: Transport> Wavefront<T> {
             }
             self.exactly[lane] = true;
             let carried = T::Carried::default();
-            let start = Start { position, direction, origin_prim: PrimitiveId::NONE, carried };
+            let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
+            let start = Start { position, direction, origin_prim, carried };
             self.events.starts.push((lane, start));
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
         }
@@ -206,7 +207,7 @@ impl<T: Transport> Wavefront<T> {
                         LightRayProgress::Flying(_) => {}
                         LightRayProgress::Ended(is_reached) => events.lit.push((lane, is_reached)),
                         LightRayProgress::Landed(landing) => events.specular.push((lane, landing)),
-                        LightRayProgress::Escaped(direction) => events.gone.push((lane, direction)),
+                        LightRayProgress::Escaped(there) => events.gone.push((lane, there)),
                     }
                     return;
                 }
@@ -216,9 +217,9 @@ impl<T: Transport> Wavefront<T> {
                         fates.hit += 1;
                         events.landed.push((lane, landing));
                     }
-                    Outcome::Escaped(direction) => {
+                    Outcome::Escaped(there) => {
                         fates.escaped += 1;
-                        events.escaped.push((lane, direction));
+                        events.escaped.push((lane, there));
                     }
                     Outcome::Captured => {
                         fates.captured += 1;
@@ -255,16 +256,16 @@ impl<T: Transport> Wavefront<T> {
 
     /// Ends the paths whose rays met nothing.
     fn escape(&mut self, job: &Job, samples: &mut Samples) {
-        for (lane, direction) in self.events.escaped.drain(..) {
+        for (lane, there) in self.events.escaped.drain(..) {
             let mut path = self.paths.get(lane);
             let vertex = if job.illumination.is_some() { self.vertices.get(lane) } else { Vertex::default() };
-            escape(job, &mut path, &vertex, direction);
-            record_end(job, &path, RayEnd::Escaped, samples);
+            escape(job, &mut path, &vertex, there);
+            record_end(job, &path, RayEnd::Escaped, Some(there.side), samples);
             self.paths.set(lane, path);
             self.events.finished.push(lane);
         }
         for (lane, fate) in self.events.ended.drain(..) {
-            record_end(job, &self.paths.get(lane), fate, samples);
+            record_end(job, &self.paths.get(lane), fate, None, samples);
             self.events.finished.push(lane);
         }
     }
@@ -284,9 +285,9 @@ impl<T: Transport> Wavefront<T> {
             self.paths.set(lane, path);
             self.vertices.set(lane, vertex);
         }
-        for (lane, direction) in self.events.gone.drain(..) {
+        for (lane, there) in self.events.gone.drain(..) {
             let mut path = self.paths.get(lane);
-            light::escape(job, &mut path, &self.vertices.get(lane), direction);
+            light::escape(job, &mut path, &self.vertices.get(lane), there);
             self.paths.set(lane, path);
             self.events.lit.push((lane, false));
         }

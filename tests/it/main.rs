@@ -10,10 +10,14 @@ mod geodesics {
     mod fields;
     mod geodesic_reference;
     mod gradient_index;
+    mod kerr;
+    mod kerr_scenes;
+    mod kerr_tolerance;
     mod schwarzschild_rays;
     mod spacetimes;
     mod steppers;
     mod tolerance;
+    mod wormhole_rays;
 }
 
 mod geometry {
@@ -47,6 +51,8 @@ mod pictures {
     mod lensed_images;
     mod machines;
     mod spacetimes;
+    mod spinning;
+    mod wormholes;
 }
 
 mod files {
@@ -67,6 +73,8 @@ mod commands {
     mod reading;
     mod study;
     mod trace;
+    mod trace_spinning;
+    mod trace_wormhole;
 }
 
 mod project {

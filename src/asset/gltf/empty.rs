@@ -2,14 +2,16 @@
 //! left of a light.
 
 use crate::asset::flaw::Flaw;
+use crate::asset::model::ModelHole;
 use crate::asset::notes::Notes;
 
-/// The custom property of a node (`extras`) that tells a Schwarzschild radius.
+/// Custom properties of a node (`extras`): the Schwarzschild radius, and the spin a/M.
 const RADIUS: &str = "schwarzschild_radius";
+const SPIN: &str = "spin";
 
-/// The Schwarzschild radius of the hole that a node places, in the node's units of length: what its custom property
-/// says, or else 1, the size at which an Empty is shown that is not scaled.
-pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<Option<f64>, Flaw> {
+/// The hole that a node places. Its radius, in the node's units of length, is what the custom property says, or else 1,
+/// the size at which an Empty is shown that is not scaled; it spins only if there is a property for that.
+pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<Option<ModelHole>, Flaw> {
     let is_empty = node.mesh().is_none() && node.camera().is_none() && node.light().is_none();
     if !is_named(name, "blackhole") {
         let is_leaf = node.children().len() == 0 && node.skin().is_none();
@@ -27,20 +29,20 @@ pub(super) fn hole(node: &gltf::Node, name: &str, notes: &mut Notes) -> Result<O
         notes.add("only an Empty places a black hole, not a node with a mesh, light or camera", name);
         return Ok(None);
     }
-    let Some(extras) = node.extras() else {
-        return Ok(Some(1.0));
+    let values = node.extras().as_ref().map(|extras| gltf::json::deserialize::from_str(extras.get()));
+    let values: gltf::json::Value = values.and_then(Result::ok).unwrap_or_default();
+    let number = |key: &str, default: f64, good: fn(f64) -> bool, bounds: &str, help: &str| match values
+        .get(key)
+    {
+        None => Ok(default),
+        Some(value) => value.as_f64().filter(|number| good(*number)).ok_or_else(|| {
+            Flaw::new(format!("the custom property {key} must be a number {bounds}, but is {value}"), help)
+        }),
     };
-    let values: gltf::json::Value = gltf::json::deserialize::from_str(extras.get()).unwrap_or_default();
-    match values.get(RADIUS) {
-        None => Ok(Some(1.0)),
-        Some(value) => match value.as_f64().filter(|radius| *radius >= 0.0) {
-            Some(radius) => Ok(Some(radius)),
-            None => Err(Flaw::new(
-                format!("the custom property {RADIUS} must be a number of at least 0, but is {value}"),
-                "set it to the Schwarzschild radius, in the node's units of length",
-            )),
-        },
-    }
+    let help = "set it to the Schwarzschild radius, in the node's units of length";
+    let radius = number(RADIUS, 1.0, |radius| radius >= 0.0, "of at least 0", help)?;
+    let spin = number(SPIN, 0.0, |spin| spin.abs() <= 1.0, "from -1 to 1", "set it to the spin a/M")?;
+    Ok(Some(ModelHole { radius, spin }))
 }
 
 /// Names that Blender gives to lights; its older exporters turn them by a child, `Area_Orientation`.

@@ -551,24 +551,26 @@ fn with_empty(node: Value) -> Value {
 
 #[test]
 fn an_empty_called_black_hole_places_a_hole() {
-    let hole = |node: Value| load_json(&with_empty(node)).unwrap().nodes[1].hole;
-    assert_eq!(hole(json!({ "name": "BlackHole" })), Some(1.0));
+    let hole = |node: Value| {
+        load_json(&with_empty(node)).unwrap().nodes[1].hole.map(|hole| (hole.radius, hole.spin))
+    };
+    assert_eq!(hole(json!({ "name": "BlackHole" })), Some((1.0, 0.0)));
     assert_eq!(
         hole(json!({ "name": "blackhole.001", "extras": { "schwarzschild_radius": 0.25 } })),
-        Some(0.25)
+        Some((0.25, 0.0))
     );
-    assert_eq!(hole(json!({ "name": "BlackHole", "extras": { "other": 3 } })), Some(1.0));
+    assert_eq!(hole(json!({ "name": "BlackHole", "extras": { "other": 3 } })), Some((1.0, 0.0)));
+    assert_eq!(hole(json!({ "name": "BlackHole", "extras": { "spin": -0.9 } })), Some((1.0, -0.9)));
     assert_eq!(hole(json!({ "name": "BlackHoles" })), None);
     assert_eq!(hole(json!({ "name": "BlackHole", "mesh": 0 })), None);
     let with_mesh = one_line(&with_empty(json!({ "name": "BlackHole", "mesh": 0 })));
     assert!(with_mesh.starts_with("only an Empty places a black hole"), "{with_mesh}");
-    for radius in [json!(-1), json!("big"), json!(null)] {
-        let node = json!({ "name": "BlackHole", "extras": { "schwarzschild_radius": radius } });
+    let wrong = [("schwarzschild_radius", json!(-1)), ("schwarzschild_radius", json!("big"))];
+    for (key, value) in wrong.into_iter().chain([("schwarzschild_radius", json!(null)), ("spin", json!(1.5))])
+    {
+        let node = json!({ "name": "BlackHole", "extras": { key: value } });
         let message = load_json(&with_empty(node)).unwrap_err().to_string();
-        assert!(
-            message.contains("node `BlackHole`") && message.contains("schwarzschild_radius"),
-            "{message}"
-        );
+        assert!(message.contains("node `BlackHole`") && message.contains(key), "{message}");
     }
 }
 

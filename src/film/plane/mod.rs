@@ -52,6 +52,7 @@ planes! {
     Variance: variance,
     Steps: steps,
     Fate: fate,
+    Side: side,
 }
 
 impl Aov {

@@ -12,6 +12,8 @@ use glam::DVec3;
 pub struct FieldControl {
     /// Largest error of a ray's direction, all its steps together, radians.
     tolerance: f64,
+    /// Sharpness of landings; see [`Self::inverse_scale`].
+    sharpness: f64,
     /// Inverse of the largest distance between an arc and the curve, scene units.
     per_arc_tolerance: f64,
     /// Middle of the field.
@@ -44,6 +46,8 @@ const EDGE: f64 = 1.4;
 const LONGEST: f64 = 8.0;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
+/// Part of the tolerance by which a ray may be off where it lands.
+const LANDING: f64 = 0.1;
 /// Part of the tolerance by which an arc may miss the curve, relative to the chord, and still stand for it.
 const NEGLIGIBLE: f64 = 0.1;
 
@@ -51,8 +55,10 @@ impl FieldControl {
     /// Control of rays of `field` around geometry up to `farthest` from its middle: `tolerance` in radians,
     /// `arc_tolerance` in scene units.
     pub fn new(field: &impl IndexField, farthest: f64, tolerance: f64, arc_tolerance: f64) -> Self {
+        let tolerance = tolerance.max(Control::<f64>::least_tolerance());
         Self {
-            tolerance: tolerance.max(Control::<f64>::least_tolerance()),
+            tolerance,
+            sharpness: 1.0 / libm::pow(LANDING * tolerance, 1.0 / 6.0),
             per_arc_tolerance: 1.0 / arc_tolerance,
             middle: field.middle(),
             outer: field.turning_radius().max(farthest),
@@ -142,6 +148,14 @@ impl FieldControl {
         };
         let ((starts_outside, starts_inwards), (ends_outside, ends_inwards)) = (at(start), at(end));
         starts_outside & ends_outside & (starts_inwards == ends_inwards)
+    }
+
+    /// Inverse length that tells how far a circle stands for a ray of this curvature, in a field that changes over `room`:
+    /// over a distance d the ray turns off the circle by ½ d² κ/room, and a circle is taken for it where the cube of d
+    /// times this is a tenth of the tolerance.
+    #[inline(always)]
+    pub fn inverse_scale(&self, curvature: f64, room: f64) -> f64 {
+        self.sharpness * (0.5 * curvature / room).sqrt()
     }
 
     /// True if an arc with this chord is so near the curve that what meets the one meets the other to the accuracy asked

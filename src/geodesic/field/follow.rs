@@ -107,7 +107,7 @@ const INFINITY: f64 = 1e-13;
 const MOST_CORRECTIONS: u32 = 8;
 
 /// The unit direction at infinity of a ray that leaves and meets nothing more; `None` if it is lost.
-pub fn at_infinity<F: IndexField, S: Stepper>(
+pub(crate) fn at_infinity<F: IndexField, S: Stepper>(
     field: &F,
     stepper: &S,
     control: &FieldControl,

@@ -3,7 +3,13 @@
 mod control;
 mod follow;
 mod step;
+#[cfg(feature = "cli")]
+mod time;
 
 pub use control::{FieldControl, FieldVerdict};
-pub use follow::{FieldEnd, FieldJourney, at_infinity, follow_field};
-pub use step::{FieldRays, FieldStep, alone, lane, set_lane};
+pub(crate) use follow::at_infinity;
+pub use follow::{FieldEnd, FieldJourney, follow_field};
+pub use step::{FieldRays, FieldStep, alone};
+pub(crate) use step::{lane, set_lane};
+#[cfg(feature = "cli")]
+pub(crate) use time::elapsed_in_field;

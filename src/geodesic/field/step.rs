@@ -43,13 +43,13 @@ pub struct FieldStep<const L: usize> {
 
 /// The vector of a lane.
 #[inline(always)]
-pub fn lane<const L: usize>(vectors: &Vectors<L>, l: usize) -> DVec3 {
+pub(crate) fn lane<const L: usize>(vectors: &Vectors<L>, l: usize) -> DVec3 {
     DVec3::new(vectors[0][l], vectors[1][l], vectors[2][l])
 }
 
 /// Puts a vector into a lane.
 #[inline(always)]
-pub fn set_lane<const L: usize>(vectors: &mut Vectors<L>, l: usize, vector: DVec3) {
+pub(crate) fn set_lane<const L: usize>(vectors: &mut Vectors<L>, l: usize, vector: DVec3) {
     (vectors[0][l], vectors[1][l], vectors[2][l]) = (vector.x, vector.y, vector.z);
 }
 

@@ -78,7 +78,7 @@ pub fn follow_by<const P: usize>(
     mut each: impl FnMut(&Series<P>, f64),
 ) -> KerrJourney {
     let KerrLaunch { constants, mut state } = *launch;
-    let fate = constants.fate(&state);
+    let fate = constants.fate(state.u, state.v);
     let mut journey = KerrJourney { end: KerrEnd::StepLimit, periastron: None, steps: 0 };
     let end = |end: KerrEnd, journey: KerrJourney| KerrJourney { end, ..journey };
     let mut longest = f64::INFINITY;

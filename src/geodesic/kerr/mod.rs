@@ -19,22 +19,30 @@
 //! References: separation: Carter 1968, Phys. Rev. 174, 1559; λ: Mino 2003, Phys. Rev. D 67, 084027; Kerr–Schild:
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
+mod constants;
 mod follow;
+mod hamiltonian;
 mod hole;
 mod launch;
+mod photon;
 mod place;
 mod plane;
 mod powers;
 mod series;
 mod state;
 mod step;
+mod time;
 
+pub use constants::Constants;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
+pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
-pub use launch::{Constants, KerrLaunch};
+pub use launch::KerrLaunch;
+pub use photon::KerrPhoton;
 pub use place::PlacedHole;
 pub use plane::{Orbit, OrbitEnd, Plane};
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;
 pub use step::{SeriesControl, SeriesStep, dense_displacement};
+pub use time::elapsed;

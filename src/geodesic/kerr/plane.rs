@@ -7,8 +7,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::hole::UnitHole;
-use super::launch::Constants;
 use super::state::MinoState;
 use crate::math::{fast_log2, sin_cos_turns};
 

@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::hole::UnitHole;
-use super::launch::Constants;
 use super::state::MinoState;
 use crate::math::sin_cos_turns;
 

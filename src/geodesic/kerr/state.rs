@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::hole::{UnitHole, about_axis};
-use super::launch::Constants;
+use super::photon::KerrPhoton;
 
 /// State of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,6 +39,11 @@ impl MinoState {
         let (r, a) = (1.0 / u, hole.a);
         let m = self.m + a * (g - 1.0) * about_axis(n);
         (g - 1.0) * n + (r * m - a * n.z * m.cross(n)) / (r * r + a * a * n.z * n.z)
+    }
+
+    /// The photon in the chart, at time 0.
+    pub fn photon(&self, hole: &UnitHole, constants: &Constants) -> KerrPhoton {
+        KerrPhoton { x: hole.position(self.u, self.n), p: self.momentum(hole, constants), t: 0.0 }
     }
 
     /// First and second derivatives of the position in the chart with respect to a parameter s with dλ = u² ds, in which

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::constants::Constants;
 use super::hole::{UnitHole, about_axis};
-use super::launch::Constants;
 use super::series::{Series, SeriesPoint};
 use super::state::MinoState;
 use crate::math::{fast_log2, sin_cos_turns};
@@ -66,25 +66,20 @@ impl SeriesControl {
         let wound = hole.a.abs() * winding[P - 3].abs() * (1.0 / (P - 2) as f64);
         let before = size(P - 2);
         let before = if before > wound { before } else { wound };
-        // (tolerance/size)^(1/power), in logarithms; a size of 0 is as good as 2⁻¹²⁶.
-        let log2 = |x: f64| fast_log2::log2(if x > SMALLEST { x } else { SMALLEST } as f32);
+        // (tolerance/size)^(1/power), in logarithms: coefficients of far rays go as large powers of ω.
+        let log2 = fast_log2::wide_log2;
         let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
         let last = root(log2(self.tolerance) - log2(size(P - 1)), P - 1);
         let last_but_one = root(log2(self.tolerance) - log2(before), P - 2);
         // Radial rays have ω = 0, but must not leave the chart.
         let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * u[P - 1].abs());
         let shortest = last.min(last_but_one).min(root(strain, P - 2));
-        let accurate = f64::from(fast_log2::exp2(shortest.min(MOST_OCTAVES)));
+        let accurate = fast_log2::wide_exp2(shortest);
         let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
         let fall = LONGEST_FALL * hole.horizon / (start.v.abs() + f64::MIN_POSITIVE);
         accurate.min(wide).min(fall)
     }
 }
-
-/// Smallest size of a coefficient that is told apart from 0.
-const SMALLEST: f64 = 1e-37;
-/// Longest step, a power of two.
-const MOST_OCTAVES: i32 = 100 * fast_log2::OCTAVE;
 
 /// Rotation about the axis.
 struct Wound {

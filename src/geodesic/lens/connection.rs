@@ -45,7 +45,7 @@ impl Lens {
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
         let swept = if odd { turns + (PI - angle) } else { turns + angle };
         let radial = swept < RADIAL;
-        if radial && x.w == y.w {
+        if radial && x.w == y.w && (x.s > 0.0) == (y.s > 0.0) {
             return None;
         }
         let (swept, sine) = if radial { (RADIAL, RADIAL) } else { (swept, sin) };
@@ -109,8 +109,15 @@ impl Lens {
         ((root - off) / (root + off)).powi(2)
     }
 
-    /// Winding number and [`Connection::geometry_factor`] of a ray that leaves `x` in the unit `direction` and arrives
-    /// at `y` travelling in the unit direction `arrival`.
+    /// The part of the light from a small source at `y` beyond a throat that goes around the far side, relative to what
+    /// comes the near way: an estimate. m − 1 falls as e^−φ, and with it the solid angle that is left.
+    pub fn ratio_beyond_throat(&self, x: &Site, y: &Site) -> f64 {
+        let angle = libm::atan2(x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
+        libm::exp(2.0 * (angle - PI))
+    }
+
+    /// Winding number and [`Connection::geometry_factor`] of a ray that leaves `x` in the unit `direction` and arrives at `y`
+    /// travelling in the unit direction `arrival`.
     pub fn classify(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
         let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
         let b = across.length().max(RADIAL) / x.q;

@@ -38,7 +38,7 @@ pub struct Lens {
 pub struct Site {
     /// Unit vector from the centre.
     pub(super) radial: DVec3,
-    /// Inverse isotropic radius; 0 at infinity.
+    /// Inverse isotropic radius in the chart of its own side; 0 at infinity.
     pub(super) w: f64,
     /// 1/B.
     pub(super) q: f64,
@@ -118,6 +118,17 @@ impl Site {
     /// The place at infinity in the unit direction `radial`.
     pub fn infinity(radial: DVec3) -> Self {
         Self { radial, w: 0.0, q: 0.0, s: 1.0 }
+    }
+
+    /// Unit vector from the centre, as seen from the near side of a throat.
+    pub fn radial(&self) -> DVec3 {
+        self.radial
+    }
+
+    /// The place on the other side of a throat that looks as this one does from here, in the unit direction `radial` as
+    /// seen from this side. Geometry factors to it are to areas in its own chart.
+    pub fn beyond_throat(self, radial: DVec3) -> Self {
+        Self { radial, s: -self.s, ..self }
     }
 }
 

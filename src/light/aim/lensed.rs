@@ -1,15 +1,19 @@
 //! Lensed aim: exact in static, spherical spacetimes, with all windings around the centre.
+//!
+//! Through the throat of a wormhole, too: the lens sees its far world from the near side, and its rays there are turned into
+//! the chart of the far world.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::{Aim, Approach, Link};
 use crate::geodesic::{Lens, Site};
-use crate::spacetime::ConformallyFlat;
+use crate::spacetime::{AtInfinity, ConformallyFlat, Mouths, Side};
 
 /// Rays around the centre of a spacetime.
 pub struct Lensed<M> {
     medium: M,
-    center: DVec3,
+    /// Centres on both sides of a throat; but for a wormhole, only the near one counts.
+    mouths: Mouths,
     lens: Lens,
     windings: u32,
 }
@@ -20,6 +24,8 @@ pub struct LensedPlace {
     /// World position; at infinity the unit direction.
     position: DVec3,
     is_infinite: bool,
+    side: Side,
+    /// As seen from the near side.
     site: Site,
 }
 
@@ -36,26 +42,66 @@ const REMOTE: f64 = 0.01;
 impl<M: ConformallyFlat> Lensed<M> {
     /// Rays around `center` with winding numbers up to `max_winding`; `None` if `medium` has no photon sphere.
     pub fn new(medium: M, center: DVec3, max_winding: u32) -> Option<Self> {
+        Self::through(medium, Mouths { near: center, far: center, rotation: DMat3::IDENTITY }, max_winding)
+    }
+
+    /// Rays around both mouths of a wormhole, and through it.
+    pub fn through(medium: M, mouths: Mouths, max_winding: u32) -> Option<Self> {
         let lens = Lens::new(&medium, TOLERANCE)?;
-        Some(Self { medium, center, lens, windings: max_winding + 1 })
+        Some(Self { medium, mouths, lens, windings: max_winding + 1 })
     }
 
     /// True of a place within the horizon, where no ray ends, or upon it.
     fn is_hidden(&self, place: &LensedPlace) -> bool {
-        !place.is_infinite && place.position.distance(self.center) <= self.medium.horizon()
+        !place.is_infinite && self.radius(place) <= self.medium.horizon()
+    }
+
+    /// Isotropic radius of a place in the world, in its own chart.
+    fn radius(&self, place: &LensedPlace) -> f64 {
+        place.position.distance(self.mouths.center(place.side))
+    }
+
+    /// The site of a side, as seen from the near side.
+    fn seen_near(&self, side: Side, site: Site, radial: impl FnOnce() -> DVec3) -> Site {
+        match side {
+            Side::Near => site,
+            Side::Far => site.beyond_throat(-self.mouths.turned(Side::Far, radial())),
+        }
+    }
+
+    /// A unit direction at a place, from the chart of the near side to that of the place's own.
+    fn own(&self, place: &LensedPlace, direction: DVec3) -> DVec3 {
+        match place.side {
+            Side::Near => direction,
+            Side::Far => self.mouths.across(Side::Near, place.site.radial(), direction),
+        }
+    }
+
+    /// A unit direction at a place, from the place's own chart to that of the near side.
+    fn as_near(&self, place: &LensedPlace, direction: DVec3) -> DVec3 {
+        match place.side {
+            Side::Near => direction,
+            Side::Far => {
+                let radial = self.mouths.turned(Side::Near, place.site.radial());
+                self.mouths.across(Side::Far, radial, direction)
+            }
+        }
     }
 }
 
 impl<M: ConformallyFlat> Aim for Lensed<M> {
     type Place = LensedPlace;
 
-    fn place(&self, x: DVec3) -> LensedPlace {
-        let site = self.lens.site(&self.medium, x - self.center);
-        LensedPlace { position: x, is_infinite: false, site }
+    fn place(&self, side: Side, x: DVec3) -> LensedPlace {
+        let from = x - self.mouths.center(side);
+        let site = self.lens.site(&self.medium, from);
+        let site = self.seen_near(side, site, || from.normalize_or_zero());
+        LensedPlace { position: x, is_infinite: false, side, site }
     }
 
-    fn infinity(&self, direction: DVec3) -> LensedPlace {
-        LensedPlace { position: direction, is_infinite: true, site: Site::infinity(direction) }
+    fn infinity(&self, AtInfinity { side, direction }: AtInfinity) -> LensedPlace {
+        let site = self.seen_near(side, Site::infinity(direction), || direction);
+        LensedPlace { position: direction, is_infinite: true, side, site }
     }
 
     fn windings(&self) -> u32 {
@@ -63,7 +109,12 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
     }
 
     fn pmf(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> f64 {
-        let around = self.lens.magnification_ratio(&x.site, &y.site).max(LEAST_AROUND);
+        let around = if x.side == y.side {
+            self.lens.magnification_ratio(&x.site, &y.site)
+        } else {
+            self.lens.ratio_beyond_throat(&x.site, &y.site)
+        };
+        let around = around.max(LEAST_AROUND);
         let weight = |winding: u32| match winding {
             0 => 1.0,
             1 => around,
@@ -74,15 +125,18 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
 
     fn approach(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> Approach {
         let is_hidden = self.is_hidden(y);
-        let distance = if winding == 0 || is_hidden {
+        let distance = if (winding == 0 && x.side == y.side) || is_hidden {
             x.position.distance(y.position)
         } else {
-            x.position.distance(self.center) + y.position.distance(self.center)
+            self.radius(x) + self.radius(y)
         };
-        let direction = if is_hidden {
+        let direction = if x.side != y.side {
+            // No formula is near enough: rays through the throat go any way.
+            self.link(x, y, winding).map_or(DVec3::ZERO, |link| link.arrival)
+        } else if is_hidden {
             (y.position - x.position).normalize_or_zero()
         } else {
-            self.lens.estimated_arrival(&x.site, &y.site, winding)
+            self.own(y, self.lens.estimated_arrival(&x.site, &y.site, winding))
         };
         Approach { distance, direction, is_exact: false }
     }
@@ -93,7 +147,8 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         }
         let found = self.lens.connect(&x.site, &y.site, winding)?;
         let geometry_factor = found.geometry_factor;
-        Some(Link { direction: found.direction, arrival: found.arrival, geometry_factor })
+        let (direction, arrival) = (self.own(x, found.direction), self.own(y, found.arrival));
+        Some(Link { direction, arrival, geometry_factor })
     }
 
     fn classify(
@@ -103,18 +158,19 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         y: &LensedPlace,
         arrival: DVec3,
     ) -> Option<(u32, f64)> {
+        let (direction, arrival) = (self.as_near(x, direction), self.as_near(y, arrival));
         self.lens.classify(&x.site, direction, &y.site, arrival)
     }
 
-    fn is_reached(&self, at: DVec3, end: DVec3) -> bool {
-        at.distance_squared(end) <= NEAR * NEAR * end.distance_squared(self.center)
+    fn is_reached(&self, side: Side, at: DVec3, end: DVec3) -> bool {
+        at.distance_squared(end) <= NEAR * NEAR * end.distance_squared(self.mouths.center(side))
     }
 
     fn area_scale(&self, y: &LensedPlace) -> f64 {
         if y.is_infinite {
             return 1.0;
         }
-        let w = 1.0 / y.position.distance(self.center);
+        let w = 1.0 / self.radius(y);
         self.medium.index_squared(w) * self.medium.lapse(w).powi(2)
     }
 }

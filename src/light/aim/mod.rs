@@ -11,6 +11,8 @@ pub mod straight;
 
 use glam::DVec3;
 
+use crate::spacetime::{AtInfinity, Side};
+
 /// A ray that joins two places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
@@ -39,11 +41,11 @@ pub trait Aim: Send + Sync {
     /// A place in the world or at infinity, with what is computed once for all rays to and from it.
     type Place;
 
-    /// A place in the world.
-    fn place(&self, x: DVec3) -> Self::Place;
+    /// A place in the world of a side.
+    fn place(&self, side: Side, x: DVec3) -> Self::Place;
 
-    /// The place at infinity in a unit direction.
-    fn infinity(&self, direction: DVec3) -> Self::Place;
+    /// A place at infinity.
+    fn infinity(&self, there: AtInfinity) -> Self::Place;
 
     /// Count of winding numbers that are sampled: from 0 on.
     fn windings(&self) -> u32;
@@ -67,9 +69,9 @@ pub trait Aim: Send + Sync {
         arrival: DVec3,
     ) -> Option<(u32, f64)>;
 
-    /// True if a ray that ends at `end`, on the primitive that it was aimed at, ends where it was aimed at, `at`,
-    /// rather than where it meets the same primitive on its way there.
-    fn is_reached(&self, at: DVec3, end: DVec3) -> bool;
+    /// True if a ray that ends at `end`, on the primitive that it was aimed at, on this side, ends where it was aimed at,
+    /// `at`, rather than where it meets the same primitive on its way there.
+    fn is_reached(&self, side: Side, at: DVec3, end: DVec3) -> bool;
 
     /// Area in the static frame over area in the chart, at a place.
     fn area_scale(&self, y: &Self::Place) -> f64;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{Aim, Approach, Link};
+use crate::spacetime::{AtInfinity, Side};
 
 /// Straight rays.
 pub struct StraightAim;
@@ -13,17 +14,18 @@ pub struct StraightPlace {
     /// World position; at infinity the unit direction.
     position: DVec3,
     is_infinite: bool,
+    side: Side,
 }
 
 impl Aim for StraightAim {
     type Place = StraightPlace;
 
-    fn place(&self, x: DVec3) -> StraightPlace {
-        StraightPlace { position: x, is_infinite: false }
+    fn place(&self, side: Side, x: DVec3) -> StraightPlace {
+        StraightPlace { position: x, is_infinite: false, side }
     }
 
-    fn infinity(&self, direction: DVec3) -> StraightPlace {
-        StraightPlace { position: direction, is_infinite: true }
+    fn infinity(&self, AtInfinity { side, direction }: AtInfinity) -> StraightPlace {
+        StraightPlace { position: direction, is_infinite: true, side }
     }
 
     fn windings(&self) -> u32 {
@@ -41,6 +43,9 @@ impl Aim for StraightAim {
     }
 
     fn link(&self, x: &StraightPlace, y: &StraightPlace, _: u32) -> Option<Link> {
+        if x.side != y.side {
+            return None;
+        }
         if y.is_infinite {
             return Some(Link { direction: y.position, arrival: y.position, geometry_factor: 1.0 });
         }
@@ -55,8 +60,8 @@ impl Aim for StraightAim {
         Some((0, geometry_factor))
     }
 
-    fn is_reached(&self, _: DVec3, _: DVec3) -> bool {
-        // A surface that a straight ray meets twice it leaves on the side that is not lit.
+    fn is_reached(&self, _: Side, _: DVec3, _: DVec3) -> bool {
+        // What a straight ray meets twice it leaves on the side that is not lit.
         true
     }
 

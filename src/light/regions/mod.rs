@@ -18,7 +18,7 @@ use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sampler::LightSampler;
 use crate::geodesic::kerr::PlacedHole;
-use crate::spacetime::RestFrame;
+use crate::spacetime::{AtInfinity, RestFrame};
 use view::View;
 
 /// Light sampling by regions of directions.
@@ -66,7 +66,7 @@ impl LightSampler for Regions {
     }
 
     /// The sky is left to BSDF sampling.
-    fn sky_density(&self, _: &Lights, _: &Receiver, _: DVec3, _: DVec3) -> f64 {
+    fn sky_density(&self, _: &Lights, _: &Receiver, _: DVec3, _: AtInfinity) -> f64 {
         0.0
     }
 
@@ -77,5 +77,9 @@ impl LightSampler for Regions {
         };
         let normal = self.frame.normal(end.position, emitter.normal_at(end.position));
         emitter.both_sides || end.direction.dot(normal) < 0.0
+    }
+
+    fn samples_all(&self) -> bool {
+        false
     }
 }

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::geometry::{Geometry, Instance, Mesh, Primitives, Sphere, Surface};
-use crate::scene::Baked;
+use crate::scene::{Baked, FarLights};
 use crate::shade::{Environment, Material};
 
 /// Radius of the room over the distance of the camera from its middle: bumps stay behind the camera.
@@ -50,6 +50,7 @@ pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {
         punctual: Vec::new(),
         environment: Environment::Black,
         settings: scene.settings.clone(),
+        far: FarLights::default(),
         warnings: Vec::new(),
         notes: Vec::new(),
     };

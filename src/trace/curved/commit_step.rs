@@ -2,8 +2,8 @@
 
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::rays::Curved;
+use super::worlds::Worlds;
 use crate::geodesic::Phase;
-use crate::geometry::PrimitiveId;
 use crate::math::kernel::Kernel;
 use crate::spacetime::{ConformallyFlat, Fate};
 use crate::trace::flight_status::FlightStatus;
@@ -12,9 +12,9 @@ use crate::trace::flight_status::FlightStatus;
 const MAX_STEPS: u32 = 10_000;
 
 /// Commits the steps of rays that met nothing: to the end of a step that is good enough, or else to a shorter step.
-pub struct Committing<'a, M, R>(pub &'a Curved<M, R>);
+pub struct Committing<'a, M, R, W>(pub &'a Curved<M, R, W>);
 
-impl<M: ConformallyFlat, R: Lane> Kernel for Committing<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Committing<'_, M, R, W> {
     type A = CurvedFlight<R>;
     type B = CurvedMove<R>;
     type Out = CurvedFlight<R>;
@@ -45,7 +45,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Committing<'_, M, R> {
             pull: phase.pull,
             h: next_h,
             error: pick(step.error, flight.error),
-            origin_prim: if taken { PrimitiveId::NONE } else { flight.origin_prim },
+            origin_prim: if taken { flight.origin_prim.none_beside() } else { flight.origin_prim },
             steps: flight.steps + 1,
             status: self.status(flight, taken, &phase, next_h),
             ..*flight
@@ -53,7 +53,7 @@ impl<M: ConformallyFlat, R: Lane> Kernel for Committing<'_, M, R> {
     }
 }
 
-impl<M: ConformallyFlat, R: Lane> Committing<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Committing<'_, M, R, W> {
     #[inline(always)]
     fn status(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> FlightStatus {
         // The next step must be finite and not vanish; a state lost for good is reported.

@@ -2,6 +2,7 @@
 
 use super::flight::{CurvedFlight, Lane};
 use super::rays::Curved;
+use super::worlds::Worlds;
 use crate::geodesic::{Launch, Phase};
 use crate::math::kernel::Kernel;
 use crate::spacetime::ConformallyFlat;
@@ -9,28 +10,28 @@ use crate::trace::flight_status::FlightStatus;
 use crate::trace::launch_point::LaunchPoint;
 
 /// Launches rays.
-pub struct Launching<'a, M, R> {
-    curved: &'a Curved<M, R>,
+pub struct Launching<'a, M, R, W> {
+    curved: &'a Curved<M, R, W>,
     /// Order of the stepper's estimate.
     order: u32,
 }
 
-impl<'a, M: ConformallyFlat, R: Lane> Launching<'a, M, R> {
+impl<'a, M: ConformallyFlat, R: Lane, W: Worlds<M>> Launching<'a, M, R, W> {
     /// For rays of this transport.
-    pub fn of(curved: &'a Curved<M, R>) -> Self {
+    pub fn of(curved: &'a Curved<M, R, W>) -> Self {
         Self { curved, order: curved.march.order() }
     }
 }
 
-impl<M: ConformallyFlat, R: Lane> Kernel for Launching<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Launching<'_, M, R, W> {
     type A = LaunchPoint;
     type B = ();
     type Out = CurvedFlight<R>;
 
     #[inline(always)]
     fn run(&self, start: &LaunchPoint, (): &()) -> CurvedFlight<R> {
-        let Self { curved: Curved { medium, center, control, .. }, order } = self;
-        let position = start.position - center;
+        let Self { curved: Curved { medium, worlds, control, .. }, order } = self;
+        let position = start.position - worlds.of(start.origin_prim).center;
         let Launch { radial, along, b, w, v, fate } =
             Launch::new(medium, position, start.direction, R::EPSILON);
         let (b, phase) = (R::of(b), Phase::new(medium, R::of(w), R::of(v)));

@@ -4,7 +4,7 @@
 use super::super::steppers::{UseStepper, with_stepper};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use crate::geodesic::{Control, OrbitEnd, Phase, Step, StepVerdict, Stepper, fit_arc, follow};
+use crate::geodesic::{Control, OrbitEnd, Phase, Step, StepVerdict, Stepper, fit_arc, follow, until};
 use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
@@ -38,6 +38,9 @@ pub trait March<R: Lane>: Send + Sync {
         poses: &mut [<Pose as Row>::Block],
     );
 
+    /// Length and end of the part of a ray's next step up to the inverse radius `w`, which the step passes.
+    fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>);
+
     /// Follows a ray to infinity.
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R>;
 }
@@ -50,6 +53,16 @@ pub fn march<M: ConformallyFlat, R: Lane>(
     outer: R,
 ) -> Option<Box<dyn March<R>>> {
     with_stepper(stepper, Held { medium, control, outer })
+}
+
+/// The march by a stepper.
+pub fn march_by<M: ConformallyFlat, R: Lane>(
+    stepper: impl Stepper + 'static,
+    medium: M,
+    control: Control<R>,
+    outer: R,
+) -> Box<dyn March<R>> {
+    Held { medium, control, outer }.with(stepper)
 }
 
 /// Parts of a march other than the stepper.
@@ -157,6 +170,13 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
         poses: &mut [<Pose as Row>::Block],
     ) {
         map(&Posing(self), spans, parts, poses);
+    }
+
+    fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>) {
+        let Self { held: Held { medium, .. }, stepper } = self;
+        let step = Step::new(medium, stepper, flight.b, flight.phase(), flight.h);
+        let part = until(medium, stepper, &step, w);
+        (part.h, part.end)
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R> {

@@ -1,12 +1,14 @@
 //! Curved rays: orbits stepped under error control, searched as arcs.
 
 mod commit_step;
+mod cross_throat;
 mod flight;
 mod launch;
 pub mod march;
 mod rays;
 mod retrace;
 mod span;
+pub mod worlds;
 
 use glam::DVec3;
 
@@ -20,19 +22,20 @@ use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::{Lensed, LightSampler};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
-use crate::spacetime::ConformallyFlat;
+use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 use commit_step::Committing;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
 use launch::Launching;
 pub use rays::Curved;
 use span::Span;
+use worlds::Worlds;
 
-impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
     /// Outcome of a move that met nothing, given the ray's next state.
     fn outcome(&self, next: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match next.status {
             FlightStatus::Flies => Outcome::Flying(*next),
-            FlightStatus::Leaves if !self.sky => Outcome::Escaped(next.direction()),
+            FlightStatus::Leaves if !self.sky => self.escaped(next, next.direction()),
             FlightStatus::Leaves => self.direction_at_infinity(next),
             FlightStatus::Falls => Outcome::Captured,
             FlightStatus::StepLimit => Outcome::StepLimit,
@@ -40,12 +43,16 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
         }
     }
 
+    fn escaped(&self, flight: &CurvedFlight<R>, direction: DVec3) -> Outcome<CurvedFlight<R>> {
+        Outcome::Escaped(AtInfinity { side: flight.origin_prim.side(), direction })
+    }
+
     /// The direction at infinity of a ray that meets nothing more.
     fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
             OrbitEnd::Crosses(_, swept) => {
                 let (sin, cos) = libm::sincos(swept.value());
-                Outcome::Escaped((cos * flight.radial + sin * flight.along).normalize())
+                self.escaped(flight, (cos * flight.radial + sin * flight.along).normalize())
             }
             OrbitEnd::StepLimit => Outcome::StepLimit,
             OrbitEnd::Falls | OrbitEnd::Misses | OrbitEnd::NonFinite => Outcome::NonFinite,
@@ -68,18 +75,18 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
 }
 
 /// Kernel that builds intersection queries from moves.
-struct CurvedQueries<'a, M, R>(&'a Curved<M, R>);
+struct CurvedQueries<'a, M, R, W>(&'a Curved<M, R, W>);
 
-impl<M: ConformallyFlat, R: Lane> Kernel for CurvedQueries<'_, M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for CurvedQueries<'_, M, R, W> {
     type A = CurvedFlight<R>;
     type B = CurvedMove<R>;
     type Out = Query<Arc>;
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
-        let segment = self.0.arc(flight, step);
-        let whole = if self.0.sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = self.0.is_searched(flight, step) & self.0.sweep.may_meet(&segment);
+        let (segment, sweep) = (self.0.arc(flight, step), &self.0.worlds.of(flight.origin_prim).sweep);
+        let whole = if sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
+        let may = self.0.is_searched(flight, step) & sweep.may_meet(&segment);
         let need = if may { whole } else { Need::Nothing };
         Query { segment, origin_prim: flight.origin_prim, need }
     }
@@ -92,9 +99,10 @@ pub struct Scratch<R: Lane> {
     launched: Columns<CurvedFlight<R>>,
     on_rays: RayLandings<Span<R>>,
     on_arcs: ArcLandings,
+    crossings: Vec<(usize, CurvedFlight<R>)>,
 }
 
-impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M, R, W> {
     type Flight = CurvedFlight<R>;
     type Move = CurvedMove<R>;
     type Segment = Arc;
@@ -102,7 +110,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     type Carried = ();
 
     fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
-        Some(Box::new(Lensed::new(self.medium, self.center, max_winding)?))
+        Some(Box::new(self.worlds.aim(self.medium, max_winding)?))
     }
 
     fn launch(&self, start: &Start) -> CurvedFlight<R> {
@@ -156,7 +164,8 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         if !self.is_searched(flight, step) {
             return None;
         }
-        self.sweep.search(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
+        let sweep = &self.worlds.of(flight.origin_prim).sweep;
+        sweep.search(&self.arc(flight, step), flight.origin_prim, 0, &mut search)
     }
 
     #[inline(always)]
@@ -169,7 +178,10 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
     ) -> (Outcome<CurvedFlight<R>>, ()) {
         let outcome = match found {
             Some(found) => Outcome::Landed(self.landing(geometry, flight, step, found)),
-            None => self.outcome(&Committing(self).run(flight, step)),
+            None => match self.crossing(flight, step) {
+                Some(beyond) => Outcome::Flying(beyond),
+                None => self.outcome(&Committing(self).run(flight, step)),
+            },
         };
         (outcome, ())
     }
@@ -181,7 +193,7 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>, ()),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let Scratch { on_rays, on_arcs, .. } = scratch;
+        let Scratch { on_rays, on_arcs, crossings, .. } = scratch;
         let lanes = found.len();
         on_rays.hits.clear();
         on_arcs.hits.clear();
@@ -196,8 +208,16 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {
             end(lane, Outcome::Landed(landing), ());
         });
+        crossings.clear();
+        if self.worlds.throat().is_some() {
+            let flying = (0..lanes).filter(|&lane| found[lane].is_none());
+            crossings.extend(flying.filter_map(|lane| {
+                self.crossing(&flights.get(lane), &moves.get(lane)).map(|beyond| (lane, beyond))
+            }));
+        }
         // Those that landed go on as well, to nowhere.
         update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        crossings.iter().for_each(|&(lane, beyond)| flights.set(lane, beyond));
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
             if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
@@ -206,15 +226,21 @@ impl<M: ConformallyFlat, R: Lane> Transport for Curved<M, R> {
         }
     }
 
+    fn side(&self, flight: &Self::Flight) -> Side {
+        flight.origin_prim.side()
+    }
+
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Arc> {
-        step.accepted.then(|| self.arc(flight, step))
+        let (flight, step) = self.before_throat(flight, step);
+        step.accepted.then(|| self.arc(&flight, &step))
     }
 
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64 {
+        let (flight, step) = self.before_throat(flight, step);
         if !step.accepted {
             return 0.0;
         }
-        let arc = self.arc(flight, step);
+        let arc = self.arc(&flight, &step);
         arc.length(point.map_or(1.0, |point| arc.parameter_beside(point)))
     }
 }

@@ -1,24 +1,22 @@
 //! Curved rays of a spacetime: their tolerances, and the arcs that are searched along them.
 
-use glam::DVec3;
-
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::march::{March, keeps_outside};
+use super::worlds::Worlds;
 use crate::geodesic::{Arc, Control, Phase, PlaneArc};
 use crate::spacetime::{Chart, ConformallyFlat};
-use crate::trace::arc_sweep::ArcSweep;
 
-/// Rays of a static, spherically symmetric spacetime, followed in numbers of type `R`.
+/// Rays of a static, spherically symmetric spacetime, followed in numbers of type `R`, in one world or in two.
 ///
 /// Orbits are in `R`; places are in f64, and moved by displacements that are good to the rounding of `R` relative to
 /// the step: nothing jitters far from the origin.
-pub struct Curved<M, R> {
+pub struct Curved<M, R, W> {
     /// The spacetime.
     pub medium: M,
     /// The method of integration in it.
     pub march: Box<dyn March<R>>,
-    /// World position of its centre.
-    pub center: DVec3,
+    /// Worlds that they move in.
+    pub worlds: W,
     /// True if the directions of escaped rays at infinity matter; else rays are not followed there.
     pub sky: bool,
     /// Radii beyond which rays need not be followed.
@@ -29,8 +27,6 @@ pub struct Curved<M, R> {
     pub tolerance: f64,
     /// Largest distance between an arc and the curve.
     pub arc_tolerance: f64,
-    /// Search along its arcs.
-    pub sweep: ArcSweep,
 }
 
 /// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
@@ -39,7 +35,7 @@ const OUTSIDE: f64 = 0.5;
 /// it in.
 const EDGE: f64 = 0.7;
 
-impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
+impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     /// The step's arc, in world coordinates.
     #[inline(always)]
     pub fn arc(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Arc {
@@ -49,7 +45,7 @@ impl<M: ConformallyFlat, R: Lane> Curved<M, R> {
             weight: step.weight,
             error: R::of(0.0),
         };
-        plane.placed(flight.position + self.center, flight.radial, flight.along)
+        plane.placed(flight.position + self.worlds.of(flight.origin_prim).center, flight.radial, flight.along)
     }
 
     /// True if a step can meet anything.

@@ -5,22 +5,28 @@ use glam::DVec3;
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::rays::Curved;
 use super::span::Span;
+use super::worlds::Worlds;
 use crate::math::columns::Row;
 use crate::spacetime::ConformallyFlat;
 use crate::trace::land_on_ray::{PartialStep, Pose, Retrace};
 
-impl<M: ConformallyFlat, R: Lane> Retrace for Curved<M, R> {
+impl<M, R, W> Retrace for Curved<M, R, W>
+where
+    M: ConformallyFlat,
+    R: Lane,
+    W: Worlds<M> + 'static,
+{
     type Span = Span<R>;
 
     #[inline(always)]
     fn span(&self, flight: &CurvedFlight<R>, _: &CurvedMove<R>) -> Span<R> {
-        let &CurvedFlight { position, radial, along, b, w, v, pull, h, .. } = flight;
-        Span { position: position + self.center, radial, along, b, w, v, pull, h }
+        let &CurvedFlight { position, radial, along, b, w, v, pull, h, origin_prim, .. } = flight;
+        Span { position: position + self.worlds.of(origin_prim).center, radial, along, b, w, v, pull, h }
     }
 
     #[inline(always)]
     fn part_near(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
-        let point = point - self.center;
+        let point = point - self.worlds.of(flight.origin_prim).center;
         let tangent = (flight.b * flight.h).value();
         let s = if tangent > 1e-3 {
             point.dot(flight.along) / (point.dot(flight.radial) * tangent)

@@ -71,6 +71,7 @@ pub fn march<F: IndexField>(
         | StepperKind::Rkn4
         | StepperKind::Rk4
         | StepperKind::Leapfrog4
+        | StepperKind::Series
         | StepperKind::Rk4Paper => Box::new(FieldStepping { field, stepper: Rkn6, control, traps }),
     }
 }
@@ -188,7 +189,8 @@ impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
             let bend = across * if pull > 0.0 { 1.0 / pull } else { 0.0 };
             // |dx/dτ| = n (1 + β·y)².
             let speed = h / (per_n2.sqrt() * step.ahead[l] * step.ahead[l]);
-            let (curvature, inverse_scale) = (pull * per_n2, 1.0 / step.end.room[l]);
+            let curvature = pull * per_n2;
+            let inverse_scale = self.control.inverse_scale(curvature, step.end.room[l]);
             each(l, Pose { position, tangent, bend, curvature, inverse_scale, speed, s: part(l).s });
         }
     }

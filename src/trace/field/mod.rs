@@ -19,6 +19,7 @@ use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, map, update};
+use crate::spacetime::AtInfinity;
 use commit_step::FieldCommits;
 use flight::{FieldFlight, FieldMove};
 pub use rays::FieldTransport;
@@ -29,8 +30,13 @@ impl FieldTransport {
     fn outcome(&self, next: &FieldFlight) -> Outcome<FieldFlight> {
         match next.status {
             FlightStatus::Flies => Outcome::Flying(*next),
-            FlightStatus::Leaves if !self.sky => Outcome::Escaped(next.momentum.normalize()),
-            FlightStatus::Leaves => self.march.at_infinity(next).map_or(Outcome::NonFinite, Outcome::Escaped),
+            FlightStatus::Leaves if !self.sky => {
+                Outcome::Escaped(AtInfinity::near(next.momentum.normalize()))
+            }
+            FlightStatus::Leaves => {
+                let direction = self.march.at_infinity(next);
+                direction.map_or(Outcome::NonFinite, |to| Outcome::Escaped(AtInfinity::near(to)))
+            }
             FlightStatus::Falls => Outcome::Captured,
             FlightStatus::StepLimit => Outcome::StepLimit,
             FlightStatus::NonFinite => Outcome::NonFinite,

@@ -38,7 +38,12 @@ impl FieldTransport {
             Trap { center: sink.center, radius2: radius * radius }
         });
         Self {
-            march: march(field.clone(), scene.settings.stepper, control, traps.collect()),
+            march: march(
+                field.clone(),
+                scene.settings.stepper.around(&scene.spacetime),
+                control,
+                traps.collect(),
+            ),
             sky,
             control,
             tolerance,

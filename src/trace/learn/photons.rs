@@ -13,6 +13,7 @@ use super::super::transport::{Landing, Outcome, Start, Transport};
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::{Baked, Settings};
 use crate::shade::{self, Key, Media, Sampler};
+use crate::spacetime::Side;
 
 /// Photons for each pixel of the picture, and the fewest and the most in all.
 const PER_PIXEL: usize = 8;
@@ -32,13 +33,13 @@ pub fn count(settings: &Settings) -> u32 {
 /// is due.
 pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, count: u32) {
     if illumination.heuristic.is_some() {
-        illumination.guide = guide(job, transport, &illumination.lights, count);
+        illumination.guides = guides(job, transport, &illumination.lights, count).unwrap_or_default();
     }
 }
 
-/// Sends photons through the scene and learns from where they land; `None` if there is nothing to learn: no mirrors, no
-/// glass, no surfaces that emit.
-fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -> Option<Guide> {
+/// Sends photons through the scene and learns from where they land, by side; `None` if there is nothing to learn: no
+/// mirrors, no glass, no surfaces that emit.
+fn guides<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -> Option<[Option<Guide>; 2]> {
     let scene = job.scene;
     if !has_specular(scene) {
         return None;
@@ -65,7 +66,8 @@ fn guide<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) ->
         })
         .flatten_iter()
         .collect();
-    Guide::new(&photons)
+    let (near, far): (Vec<_>, Vec<_>) = photons.into_iter().partition(|photon| photon.side == Side::Near);
+    Some([near, far].map(|photons| Guide::new(&photons)))
 }
 
 /// Photons of all lamps.
@@ -151,6 +153,7 @@ impl Shower<'_> {
         path.add(surface.surface.entity);
         if !materials[surface.surface.material as usize].is_specular() {
             return Event::Stays(Photon {
+                side: landing.primitive.side(),
                 position: landing.position,
                 normal: incidence.facing().0,
                 direction: -landing.direction,

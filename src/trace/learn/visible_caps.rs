@@ -63,8 +63,8 @@ pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumina
 fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
     let scene = job.scene;
     let (mut path, position, direction) = generate(job, work, pixel);
-    let mut start =
-        Start { position, direction, origin_prim: PrimitiveId::NONE, carried: T::Carried::default() };
+    let origin_prim = PrimitiveId::none_on(scene.camera.side);
+    let mut start = Start { position, direction, origin_prim, carried: T::Carried::default() };
     let mut met = Vec::new();
     loop {
         if job.halt.is_due() {

@@ -1,8 +1,7 @@
-//! Committing a step that met nothing: from its end to the start of the next.
+//! SpinningCommits a step that met nothing: from its end to the start of the next.
 
 use super::Spinning;
 use super::flight::{SpinningFlight, SpinningMove};
-use crate::geodesic::kerr::MinoState;
 use crate::geometry::PrimitiveId;
 use crate::math::kernel::Kernel;
 use crate::spacetime::Fate;
@@ -13,9 +12,9 @@ use crate::trace::flight_status::FlightStatus;
 const MAX_STEPS: u32 = 100_000;
 
 /// Commits the steps of rays that met nothing: to the end of a step that is good enough, or else to a shorter step.
-pub struct Committing<'a>(pub &'a Spinning);
+pub struct SpinningCommits<'a>(pub &'a Spinning);
 
-impl Kernel for Committing<'_> {
+impl Kernel for SpinningCommits<'_> {
     type A = SpinningFlight;
     type B = SpinningMove;
     type Out = SpinningFlight;
@@ -33,7 +32,7 @@ impl Kernel for Committing<'_> {
             ..*flight
         };
         let chart = &self.0.chart;
-        let fate = flight.constants().fate(&MinoState { u: step.u, v: step.v, ..flight.state() });
+        let fate = flight.constants().fate(step.u, step.v);
         let gone = if fate == Fate::Escapes { FlightStatus::Leaves } else { FlightStatus::Falls };
         let is_left = taken & chart.is_left(fate, step.u, step.v);
         let status = if is_left { gone } else { FlightStatus::Flies };

@@ -7,9 +7,9 @@ use crate::trace::flight_status::FlightStatus;
 use crate::trace::launch_point::LaunchPoint;
 
 /// Launches rays.
-pub struct Launching<'a>(pub &'a PlacedHole);
+pub struct SpinningLaunches<'a>(pub &'a PlacedHole);
 
-impl Kernel for Launching<'_> {
+impl Kernel for SpinningLaunches<'_> {
     type A = LaunchPoint;
     type B = ();
     type Out = SpinningFlight;

@@ -40,7 +40,7 @@ pub trait SeriesMarch: Send + Sync {
 }
 
 /// A march without the length of its series.
-pub struct Marching {
+pub struct SpinningMarch {
     /// The hole.
     pub place: PlacedHole,
     /// Inverse radii beyond which there is nothing to meet.
@@ -51,23 +51,23 @@ pub struct Marching {
     pub arc_tolerance: f64,
 }
 
-impl UsePowers for Marching {
+impl UsePowers for SpinningMarch {
     type Output = Box<dyn SeriesMarch>;
 
     fn with<const P: usize>(self) -> Box<dyn SeriesMarch> {
         let control = SeriesControl::new(P, self.tolerance);
         let negligible = NEGLIGIBLE * self.tolerance;
-        Box::new(Stepping::<P> { held: self, control, negligible2: negligible * negligible })
+        Box::new(SpinningSteps::<P> { held: self, control, negligible2: negligible * negligible })
     }
 }
 
 /// The march with series of the length that the tolerance calls for.
-pub fn march(marching: Marching) -> Box<dyn SeriesMarch> {
+pub fn march(marching: SpinningMarch) -> Box<dyn SeriesMarch> {
     with_powers(marching.tolerance, marching)
 }
 
-struct Stepping<const P: usize> {
-    held: Marching,
+struct SpinningSteps<const P: usize> {
+    held: SpinningMarch,
     control: SeriesControl,
     /// Distance between an arc and the curve, relative to the chord, that is as good as none; squared.
     negligible2: f64,
@@ -92,7 +92,7 @@ pub fn keeps_outside(outer: f64, start: &MinoState, end: &MinoState) -> bool {
     (start.u < outer) & (end.u < outer) & ((start.v > 0.0) == (end.v > 0.0))
 }
 
-impl Marching {
+impl SpinningMarch {
     /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
     /// not go far beyond.
     #[inline(always)]
@@ -107,7 +107,7 @@ impl Marching {
     }
 }
 
-impl<const P: usize> Kernel for Stepping<P> {
+impl<const P: usize> Kernel for SpinningSteps<P> {
     type A = SpinningFlight;
     type B = ();
     type Out = SpinningMove;
@@ -157,9 +157,9 @@ impl<const P: usize> Kernel for Stepping<P> {
 }
 
 /// Parts of steps.
-struct Posing<'a, const P: usize>(&'a Stepping<P>);
+struct SpinningPoses<'a, const P: usize>(&'a SpinningSteps<P>);
 
-impl<const P: usize> Kernel for Posing<'_, P> {
+impl<const P: usize> Kernel for SpinningPoses<'_, P> {
     type A = SpinningSpan;
     type B = PartialStep;
     type Out = Pose;
@@ -191,7 +191,7 @@ impl<const P: usize> Kernel for Posing<'_, P> {
     }
 }
 
-impl<const P: usize> SeriesMarch for Stepping<P> {
+impl<const P: usize> SeriesMarch for SpinningSteps<P> {
     fn advance(&self, flight: &SpinningFlight) -> SpinningMove {
         self.run(flight, &())
     }
@@ -205,7 +205,7 @@ impl<const P: usize> SeriesMarch for Stepping<P> {
     }
 
     fn pose(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
-        Posing(self).run(span, part)
+        SpinningPoses(self).run(span, part)
     }
 
     fn pose_all(
@@ -214,6 +214,6 @@ impl<const P: usize> SeriesMarch for Stepping<P> {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
-        map(&Posing(self), spans, parts, poses);
+        map(&SpinningPoses(self), spans, parts, poses);
     }
 }

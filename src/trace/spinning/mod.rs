@@ -25,11 +25,11 @@ use crate::light::{LightSampler, Regions};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::scene::Baked;
-use crate::spacetime::{Chart, KerrNewman, Placement, RestFrame};
-use commit_step::Committing;
+use crate::spacetime::{AtInfinity, Chart, KerrNewman, Placement, RestFrame};
+use commit_step::SpinningCommits;
 use flight::{SpinningFlight, SpinningMove};
-use launch::Launching;
-use march::{Marching, SeriesMarch, keeps_outside, march};
+use launch::SpinningLaunches;
+use march::{SeriesMarch, SpinningMarch, keeps_outside, march};
 use span::SpinningSpan;
 
 /// Rays around a spinning hole.
@@ -61,7 +61,7 @@ impl Spinning {
         let chart = Chart { outer: 1.0 / farthest, inner: place.hole.horizon.min(1.0 / nearest) };
         let tolerance = scene.settings.tolerance;
         let arc_tolerance = scene.arc_tolerance_around(placement.center);
-        let marching = Marching { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
+        let marching = SpinningMarch { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
         Self {
             place,
             frame: scene.spacetime.rest_frame(),
@@ -104,20 +104,24 @@ impl Spinning {
         let (constants, state) = (flight.constants(), flight.state());
         if !self.sky {
             let [velocity, _] = state.motion(&self.place.hole, &constants);
-            return Outcome::Escaped(self.place.outwards(velocity).normalize());
+            return Outcome::Escaped(AtInfinity::near(self.place.outwards(velocity).normalize()));
         }
         let launch = KerrLaunch { constants, state };
         match follow(&self.place.hole, &launch, self.tolerance, 0.0, |_, _| {}).end {
-            KerrEnd::Crosses(end) => Outcome::Escaped(self.place.outwards(end.n)),
+            KerrEnd::Crosses(end) => Outcome::Escaped(AtInfinity::near(self.place.outwards(end.n))),
             KerrEnd::StepLimit => Outcome::StepLimit,
             KerrEnd::Falls | KerrEnd::Misses | KerrEnd::NonFinite => Outcome::NonFinite,
         }
     }
 
-    /// Landing as the frame at rest has it, from one in the chart.
-    #[inline(always)]
-    fn at_rest(&self, landing: Landing) -> Landing {
-        Landing { direction: self.frame.direction(landing.position, landing.direction), ..landing }
+    /// Landing as the frame at rest has it, from one in the chart. What reaches into the ergosphere in spite of the
+    /// scene's checks takes the ray with it.
+    fn landed(&self, landing: Landing) -> Outcome<SpinningFlight> {
+        let direction = self.frame.direction(landing.position, landing.direction);
+        if !direction.is_finite() {
+            return Outcome::Captured;
+        }
+        Outcome::Landed(Landing { direction, ..landing })
     }
 }
 
@@ -160,7 +164,7 @@ impl Transport for Spinning {
     }
 
     fn launch(&self, start: &Start) -> SpinningFlight {
-        Launching(&self.place).run(&(*start).into(), &())
+        SpinningLaunches(&self.place).run(&(*start).into(), &())
     }
 
     fn launch_all(
@@ -173,7 +177,7 @@ impl Transport for Spinning {
         let lanes = starts.len();
         points.gather(lanes, |i| starts[i].1.into());
         launched.resize(lanes);
-        map(&Launching(&self.place), points.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
+        map(&SpinningLaunches(&self.place), points.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
         for (i, &(lane, _)) in starts.iter().enumerate() {
             flights.set(lane, launched.get(i));
         }
@@ -221,13 +225,13 @@ impl Transport for Spinning {
         found: Option<Found>,
     ) -> (Outcome<SpinningFlight>, ()) {
         let Some(found) = found else {
-            return (self.outcome(&Committing(self).run(flight, step)), ());
+            return (self.outcome(&SpinningCommits(self).run(flight, step)), ());
         };
         let landing = match geometry {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
             _ => land_on_arc(&self.arc(flight, step), found),
         };
-        (Outcome::Landed(self.at_rest(landing)), ())
+        (self.landed(landing), ())
     }
 
     fn settle_all(
@@ -247,11 +251,11 @@ impl Transport for Spinning {
             let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
             hits.push((lane, found));
         }
-        let mut land = |lane, landing| end(lane, Outcome::Landed(self.at_rest(landing)), ());
+        let mut land = |lane, landing| end(lane, self.landed(landing), ());
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
         land_all_on_rays(self, geometry, (flights, moves), on_rays, &mut land);
         // Those that landed go on as well, to nowhere.
-        update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
+        update(&SpinningCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
             if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::super::illumination::LightEnd;
 use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::Landing;
@@ -19,7 +20,7 @@ pub fn emit(job: &Job, surface: &SurfacePoint, landing: &Landing, vertex: &Verte
         let source = LightSource { emitter: EmitterId::Surface(landing.primitive), segments: path.depth };
         let throughput = path.throughput;
         deposit(path, source, || {
-            let share = share(job, vertex, landing.direction, Some((landing, surface.normal)));
+            let share = share(job, vertex, LightEnd::Surface(landing, surface.normal));
             throughput * material.emission * share
         });
     }

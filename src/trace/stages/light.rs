@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::illumination::Illumination;
+use super::super::illumination::{Illumination, LightEnd};
 use super::super::job::Job;
 use super::super::path::Path;
 use super::super::transport::{Landing, Outcome, Transport};
@@ -13,6 +13,7 @@ use super::meet::meet;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::{self, Incidence};
+use crate::spacetime::AtInfinity;
 
 /// A ray to a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +68,9 @@ pub fn propose(
     };
     let light = match light {
         Incoming::Radiance(radiance, density) => shared(radiance, density),
-        Incoming::Sky(at_infinity, density) => shared(job.scene.environment.radiance(at_infinity), density),
+        Incoming::Sky(there, density) => {
+            shared(job.scene.environment(there.side).radiance(there.direction), density)
+        }
         Incoming::Irradiance(irradiance) => irradiance / chance as f32,
     };
     let brings = path.throughput * bsdf * light;
@@ -83,11 +86,11 @@ pub enum LightRayProgress<Flight> {
     Ended(bool),
     /// One that is aimed through mirrors and glass landed.
     Landed(Landing),
-    /// One so aimed left to infinity, with this unit direction there.
-    Escaped(DVec3),
+    /// One so aimed left to infinity.
+    Escaped(AtInfinity),
 }
 
-/// Progress of a light ray after a move, and its payload there.
+/// LightRayProgress of a light ray after a move, and its payload there.
 #[inline]
 pub fn settle<T: Transport>(
     job: &Job,
@@ -119,11 +122,13 @@ pub fn passes_its_light<T: Transport>(
     vertex: &Vertex,
 ) -> bool {
     let Target::Point(index) = vertex.target else { return false };
-    let point = illumination.lights.point(index);
-    point.is_some_and(|point| passes(transport, flight, step, found, point))
+    let light = illumination.lights.point(index);
+    light.is_some_and(|(side, point)| {
+        side == transport.side(flight) && passes(transport, flight, step, found, point)
+    })
 }
 
-/// Progress of a light ray, from the outcome of its move.
+/// LightRayProgress of a light ray, from the outcome of its move.
 #[inline]
 pub fn conclude<Flight>(
     illumination: &Illumination,
@@ -134,12 +139,16 @@ pub fn conclude<Flight>(
     match outcome {
         Outcome::Flying(next) => LightRayProgress::Flying(next),
         Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
-        Outcome::Escaped(direction) if after_specular => LightRayProgress::Escaped(direction),
+        Outcome::Escaped(there) if after_specular => LightRayProgress::Escaped(there),
         Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
-        // A target that a leaving ray was aimed at and did not pass lies beyond all geometry.
-        Outcome::Escaped(_) => {
-            LightRayProgress::Ended(matches!(vertex.target, Target::Infinity | Target::Point(_)))
-        }
+        // What a ray that leaves was aimed at without passing it lies beyond all geometry.
+        Outcome::Escaped(there) => LightRayProgress::Ended(match vertex.target {
+            Target::Infinity(side) => side == there.side,
+            Target::Point(index) => {
+                illumination.lights.point(index).is_some_and(|(side, _)| side == there.side)
+            }
+            Target::Nothing | Target::Surface(..) | Target::ThroughSpecular => false,
+        }),
         Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => LightRayProgress::Ended(false),
     }
 }
@@ -169,12 +178,13 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
     (vertex.brings != Vec3::ZERO).then_some(bounce.direction)
 }
 
-/// Adds what a light ray that went through mirrors and glass sees in the unit `direction` at infinity.
+/// Adds what a light ray that went through mirrors and glass sees at infinity.
 #[inline]
-pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, direction: DVec3) {
-    if vertex.after_specular && !job.scene.environment.is_black() {
+pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, there: AtInfinity) {
+    let environment = job.scene.environment(there.side);
+    if vertex.after_specular && !environment.is_black() {
         let source = LightSource { emitter: EmitterId::Infinity, segments: vertex.depth };
-        deposit(path, source, || vertex.brings * job.scene.environment.radiance(direction));
+        deposit(path, source, || vertex.brings * environment.radiance(there.direction));
     }
 }
 
@@ -193,11 +203,10 @@ fn passes<T: Transport>(
         && found.is_none_or(|found| course.parameter_beside(found.point) > s)
 }
 
-/// The share that light sampling leaves of light that the last bounce found: from a surface, or at infinity in
-/// `direction` if there is none.
+/// The share that light sampling leaves of light that the last bounce found.
 #[inline]
-pub fn share(job: &Job, vertex: &Vertex, direction: DVec3, surface: Option<(&Landing, DVec3)>) -> f32 {
+pub fn share(job: &Job, vertex: &Vertex, end: LightEnd) -> f32 {
     let Some(illumination) = job.illumination.as_ref().filter(|_| vertex.density > 0.0) else { return 1.0 };
-    let density = vertex.chance * illumination.density(vertex, direction, surface);
+    let density = vertex.chance * illumination.density(vertex, end);
     illumination.share_of_find(density, vertex.density) as f32
 }

@@ -8,6 +8,7 @@ use super::super::transport::Landing;
 use crate::film::CameraRay;
 use crate::geometry::SurfacePoint;
 use crate::scene::Background;
+use crate::spacetime::Side;
 
 /// Records the surface that a camera ray lands on; later rays are not recorded.
 #[inline]
@@ -18,6 +19,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
         fate: RayEnd::Hit,
+        side: Some(landing.primitive.side()),
         length: ray.length,
         position: landing.position,
         normal: surface.shading_normal,
@@ -26,16 +28,18 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
     };
 }
 
-/// Records how a camera ray ended that meets nothing.
+/// Records how a camera ray ended that meets nothing; `side` is where it left to infinity.
 #[inline]
-pub fn record_end(job: &Job, path: &Path, fate: RayEnd, samples: &mut Samples) {
+pub fn record_end(job: &Job, path: &Path, fate: RayEnd, side: Option<Side>, samples: &mut Samples) {
     if path.depth > 1 {
         return;
     }
-    let is_backed = job.settings.background == Background::Opaque && !job.scene.environment.is_black();
-    samples.covered[path.slot as usize] = fate != RayEnd::Escaped || is_backed;
+    let is_backed =
+        |side| job.settings.background == Background::Opaque && !job.scene.environment(side).is_black();
+    samples.covered[path.slot as usize] = side.is_none_or(is_backed);
     if samples.needs().camera_ray {
-        samples.camera_rays[path.slot as usize].fate = fate;
+        let ray = &mut samples.camera_rays[path.slot as usize];
+        (ray.fate, ray.side) = (fate, side);
     }
 }
 

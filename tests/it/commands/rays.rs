@@ -119,6 +119,36 @@ fn rays_leave_the_picture_without_a_corner_and_along_the_geodesic() {
 }
 
 #[test]
+fn rays_in_the_equator_of_a_spinning_hole_stay_there_and_leave_without_a_corner() {
+    let scene = SCENE.replace("\"schwarzschild\"", "\"kerr\"\nspin = 0.9");
+    let place = Folder::with(&[("scene.toml", &scene)]);
+    // The ball above the equator, near the hole.
+    let near = ["--set", "entity.0.sphere.center=[0,2.8,0]", "--set", "entity.0.sphere.radius=0.3"];
+    let rays = points(&place, &[&["--count", "61"][..], &near].concat());
+    let mut ends = [0, 0];
+    for (points, fate) in rays.values() {
+        assert!(points.iter().all(|point| (point.y - 1.0).abs() < 1e-6), "{fate}");
+        let last = points.last().unwrap().distance(HOLE);
+        if fate == "captured" {
+            // r₊ = (1 + √(1 − a²))/2, and √(r₊² + (a/2)²) in the chart.
+            let r: f64 = 0.5 * (1.0 + (1.0 - 0.81_f64).sqrt());
+            assert!((last - r.hypot(0.45)).abs() < 0.1, "{last}");
+            ends[0] += 1;
+        } else {
+            assert!(fate == "escaped" && last > 10.0, "{fate} {last}");
+            let pieces: Vec<DVec3> = points.windows(2).map(|two| two[1] - two[0]).collect();
+            let corners = pieces.windows(2).filter(|two| two.iter().all(|piece| piece.length() > 1e-3));
+            let corner = corners.map(|two| two[0].angle_between(two[1])).fold(0.0, f64::max);
+            assert!(corner < 0.2, "a corner of {corner}");
+            ends[1] += 1;
+        }
+    }
+    assert!(ends.iter().all(|&count| count > 5), "{ends:?}");
+    let inside = draw(&place, "x.svg", &["--from", "0.9,1,0"]);
+    assert_refused(&inside, &["starts in the ergosphere", "--from"]);
+}
+
+#[test]
 fn the_fan_starts_where_it_is_told_and_opens_towards_the_hole_in_the_plane_asked_for() {
     let rays = points(&folder(), &["--from=10,1,0", "--up", "0,0,1", "--count", "5", "--fan", "20"]);
     for (points, _) in rays.values() {

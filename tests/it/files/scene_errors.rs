@@ -388,8 +388,11 @@ fn overrides_change_the_scene() {
     assert_eq!(baked.materials[0].albedo(), glam::Vec3::new(0.1, 0.2, 0.3));
 }
 
-fn load_with_hole(path: &Path, hole: [f64; 4]) -> Result<Baked, SceneError> {
-    scene::load_with(path, &LoadOptions { black_hole: Some(hole), ..LoadOptions::default() })
+fn load_with_hole(path: &Path, [x, y, z, radius]: [f64; 4]) -> Result<Baked, SceneError> {
+    scene::load_with(
+        path,
+        &LoadOptions { black_hole: Some([x, y, z, radius, 0.0]), ..LoadOptions::default() },
+    )
 }
 
 #[test]
@@ -411,4 +414,79 @@ fn arbitrary_text_never_panics() {
         let _ = load_text(&GOOD[cut..]);
         let _ = load_text(&format!("{}\u{e9}{}", &GOOD[..cut], &GOOD[cut..]));
     }
+}
+
+#[test]
+fn things_at_rest_in_an_ergosphere_are_errors_that_name_them() {
+    let scene = |shape: &str, camera: &str| {
+        format!(
+            "[spacetime]\nkind = \"kerr\"\nschwarzschild_radius = 2\nspin = 0.9\n[camera]\nposition = {camera}\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+             [environment]\n[[material]]\nname = \"m\"\n[[entity]]\nname = \"thing\"\nmaterial = \"m\"\n{shape}\n"
+        )
+    };
+    let write = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).unwrap();
+        scene::load(&path, &[])
+    };
+    let far = "[0, 0, 9]";
+    for shape in [
+        "sphere = { center = [2, 0, 0], radius = 0.3 }",
+        "sphere = { center = [0, 0, 0], radius = 2.1 }",
+        "disk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 2, outer = 9 }",
+    ] {
+        let message = write(&scene(shape, far)).err().unwrap().to_string();
+        assert!(message.contains("ergosphere") && message.contains("thing"), "{message}");
+    }
+    let camera = write(&scene("sphere = { center = [9, 0, 0], radius = 1 }", "[2, 0, 0.3]"));
+    assert!(camera.err().unwrap().to_string().contains("ergosphere"));
+    for shape in [
+        "sphere = { center = [0, 0, 0], radius = 2.3 }",
+        "sphere = { center = [0, 1.9, 0], radius = 0.2 }",
+        "disk = { center = [0, 0, 0], normal = [0, 1, 0], inner = 2.3, outer = 9 }",
+    ] {
+        assert!(write(&scene(shape, far)).is_ok(), "{shape}");
+    }
+}
+
+#[test]
+fn several_holes_and_lenses_are_checked_and_shown() {
+    let spoilt = |kind: &str, list: &str, expected: &[&str]| {
+        let old = "kind = \"schwarzschild\"\ncenter = [0, 0, 0]\nschwarzschild_radius = 1\n";
+        assert_located(old, &format!("kind = \"{kind}\"\n{list}"), expected);
+    };
+    let hole = |center: &str, mass: &str| format!("[[spacetime.hole]]\ncenter = {center}\nmass = {mass}\n");
+    let good = hole("[1, 2, 3]", "0.5");
+    for (list, expected) in [
+        (String::new(), "needs holes"),
+        (hole("[1, 2, 3]", "0"), "mass must be positive"),
+        (hole("[1, 2, 3]", "-1"), "mass must be positive"),
+        (hole("[1, 2, inf]", "1"), "center must be finite"),
+        (good.clone() + &hole("[1, 2, 3]", "2"), "a second hole is at [1.0, 2.0, 3.0]"),
+        (good.clone() + "masss = 1\n", "did you mean `mass`?"),
+        ("[[spacetime.hole]]\ncenter = [1, 2, 3]\n".to_owned(), "missing field `mass`"),
+    ] {
+        spoilt("several-holes", &list, &[expected]);
+    }
+    let lens = |keys: &str| format!("[[spacetime.lens]]\ncenter = [1, 2, 3]\n{keys}\n");
+    let gaussian = lens("kind = \"gaussian\"\nwidth = 1\namplitude = -0.6");
+    for (list, expected) in [
+        (String::new(), "needs lenses"),
+        (lens("kind = \"gaussian\"\nwidth = 1"), "a gaussian lens needs `amplitude`"),
+        (lens("kind = \"luneburg\""), "a luneburg lens needs `radius`"),
+        (lens("kind = \"luneburg\"\nradius = 1\nwidth = 2"), "a luneburg lens has no `width`"),
+        (lens("kind = \"luneburg\"\nradius = 0"), "radius must be positive"),
+        (gaussian.clone() + &gaussian, "the index of refraction may fall to"),
+        (gaussian.clone() + &lens("kind = \"luneburg\"\nradius = 1"), "the lens touches that at"),
+        (lens("kind = \"gausian\"\nwidth = 1"), "did you mean `gaussian`?"),
+    ] {
+        spoilt("lenses", &list, &[expected]);
+    }
+    let two = GOOD.replacen("kind = \"schwarzschild\"", "kind = \"several-holes\"", 1);
+    let two = two.replacen("schwarzschild_radius = 1\n", &good, 1).replacen("center = [0, 0, 0]\n", "", 1);
+    assert_eq!(load_text(&two).unwrap().warnings, Vec::<String>::new());
+    let unused =
+        GOOD.replacen("schwarzschild_radius = 1\n", &("schwarzschild_radius = 1\n".to_owned() + &good), 1);
+    assert_eq!(load_text(&unused).unwrap().warnings.len(), 1);
 }

@@ -1,6 +1,7 @@
 //! Rays in fields of refraction: several holes against exact rays and against one hole, lenses against their images.
 
-use crate::support::{Random, Row, material, scene, sphere, table, vector};
+use crate::support::command::{Folder, assert_good};
+use crate::support::{Random, Row, data, material, scene, sphere, table, vector};
 use glam::DVec3;
 use warpfront::geodesic::{
     Dop853, FieldControl, FieldEnd, FieldJourney, FieldRays, Rkn6, Stepper, alone, follow_field,
@@ -10,7 +11,8 @@ use warpfront::scene::{Precision, StepperKind};
 use warpfront::spacetime::{
     Entry, FieldSurvey, GradedLens, Hole, IndexField, Lenses, SeveralHoles, Sink, Vectors, Viewpoint,
 };
-use warpfront::study::free::{Accuracy, FreeRay, trace};
+use warpfront::study::free::Accuracy;
+use warpfront::study::free::isotropic::{FreeRay, trace};
 use warpfront::trace::transport::Outcome;
 use warpfront::trace::{Ray, shoot};
 
@@ -118,6 +120,34 @@ fn every_exact_ray_among_several_holes_is_rendered_so() {
 }
 
 #[test]
+fn the_table_of_several_holes_is_traced_column_by_column() {
+    let folder = Folder::with(&[("rays.csv", &data("majumdar_papapetrou_rays.csv"))]);
+    let flags =
+        ["trace", "--spacetime", "several-holes", "--quality", "reference", "rays.csv", "-o", "out.csv"];
+    assert_good(&folder.run(&flags));
+    let (found, exact) = (folder.rows("out.csv"), table("majumdar_papapetrou_rays.csv"));
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in found.iter().zip(&exact) {
+        let label = format!("row {}", exact.text("id"));
+        for column in ["id", "kind", "status", "hole"] {
+            assert_eq!(found.text(column), exact.text(column), "{label}");
+        }
+        if let Some(momentum) = exact.maybe("L_axis") {
+            assert!((found.number("L_axis") - momentum).abs() < 1e-12 * (1.0 + momentum.abs()), "{label}");
+        }
+        if exact.text("status") == "captured" {
+            continue;
+        }
+        let end = (found.vector(["x1", "y1", "z1"]), found.vector(["dx1", "dy1", "dz1"]));
+        assert!(share(exact, 1e-10, end) < 1.0, "{label}");
+        let (sens, time) = (exact.number("sens"), exact.number("t"));
+        assert!((found.number("sens") / sens - 1.0).abs() < 0.02, "{label}: sens {}", found.number("sens"));
+        let late = (found.number("t") - time).abs() / time;
+        assert!(late < 1e-10 * sens, "{label}: late by {late:e}, sens {sens}");
+    }
+}
+
+#[test]
 fn one_hole_is_a_hole_of_extremal_charge() {
     let (center, mass) = (DVec3::new(0.3, -1.0, 2.0), 0.8);
     let one = SeveralHoles::new(&[Hole { center, mass }]);
@@ -174,6 +204,75 @@ fn rays_among_several_holes_run_back_to_where_they_came_from() {
         };
         assert!(start.distance(x) < 1e-6 && reversed.distance(-d) < 1e-6, "{x} {d}: {start} {reversed}");
     }
+}
+
+/// Distance of two ends, place over `r` or direction; `None` if they are of different kinds.
+fn apart(a: FieldEnd, b: FieldEnd, r: f64) -> Option<f64> {
+    match (a, b) {
+        (FieldEnd::Crosses(x, d), FieldEnd::Crosses(y, e)) => Some((x.distance(y) / r).max(d.distance(e))),
+        (FieldEnd::Falls(i), FieldEnd::Falls(j)) => (i == j).then_some(0.0),
+        _ => None,
+    }
+}
+
+#[test]
+fn random_rays_among_several_holes_keep_their_tolerance() {
+    fn check(name: &str, stepper: impl Stepper) {
+        for tolerance in [1e-3, 1e-5, 1e-8] {
+            let mut random = Random::new(7);
+            let (mut shares, mut steps, mut others) = (Vec::new(), 0, 0);
+            let count = 1500;
+            for i in 0..count {
+                let number = random.between(1.0, 4.99) as u32;
+                let hole = |_| Hole { center: 8.0 * random.in_cube(), mass: random.log_between(0.1, 2.0) };
+                let holes: Vec<Hole> = (0..number).map(hole).collect();
+                let field = SeveralHoles::new(&holes);
+                // Half of them from near a hole in all directions, half from afar towards all of them.
+                let x = if i % 2 == 0 {
+                    holes[0].center + random.log_between(0.03, 20.0) * random.direction()
+                } else {
+                    random.log_between(20.0, 1e6) * random.direction()
+                };
+                let aim = 15.0 * random.in_cube() - x;
+                let d = if i % 2 == 0 { random.direction() } else { aim.normalize() };
+                let sphere = (field.middle(), 1.3 * x.distance(field.middle()).max(30.0));
+                let exact = |d: DVec3| follow(&field, &Dop853, 1e-13, (x, d), sphere).end;
+                let journey = follow(&field, &stepper, tolerance, (x, d), sphere);
+                assert!(
+                    matches!(journey.end, FieldEnd::Crosses(..) | FieldEnd::Falls(_)),
+                    "{x} {d}: {journey:?}"
+                );
+                steps += journey.steps;
+                let (end, angle) = (exact(d), 1e-7);
+                let (across, up) = d.any_orthonormal_pair();
+                let beside =
+                    [across, up].map(|way| apart(end, exact((d + angle * way).normalize()), sphere.1));
+                let [Some(first), Some(second)] = beside else { continue };
+                let sens = (first.max(second) / angle).max(1.0);
+                // Beside the shadow of a hole, the fate is a matter of less than the tolerance.
+                let Some(error) = apart(journey.end, end, sphere.1) else {
+                    others += 1;
+                    continue;
+                };
+                if sens < 1e5 && matches!(end, FieldEnd::Crosses(..)) {
+                    shares.push(error / ((tolerance + 1e-14) * sens));
+                }
+            }
+            shares.sort_by(f64::total_cmp);
+            let [median, most, worst] =
+                [0.5, 0.99, 1.0].map(|q| shares[(q * (shares.len() - 1) as f64) as usize]);
+            let mean = f64::from(steps) / f64::from(count);
+            println!(
+                "{name} {tolerance:e}: median {median:.3}, 99 % {most:.3}, largest {worst:.3}, {mean:.1} steps"
+            );
+            assert!(
+                most < 1.0 && worst < 10.0 && others <= 5,
+                "{name} at {tolerance:e}: {most} {worst} {others}"
+            );
+        }
+    }
+    check("rkn6", Rkn6);
+    check("dop853", Dop853);
 }
 
 #[test]

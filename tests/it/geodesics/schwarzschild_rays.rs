@@ -241,7 +241,7 @@ fn deflection(b: f64, distance: f64, tolerance: f64) -> f64 {
         panic!("one shot")
     };
     let Outcome::Escaped(end) = shot.end else { panic!("{shot:?} from {distance:e}") };
-    (-end.y).atan2(end.x)
+    (-end.direction.y).atan2(end.direction.x)
 }
 
 #[test]

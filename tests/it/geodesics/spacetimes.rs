@@ -9,7 +9,8 @@ use warpfront::scene::{Precision, StepperKind};
 use warpfront::spacetime::{
     Chart, ConformallyFlat, Entry, Metric, ReissnerNordstrom, SPACETIMES, Schwarzschild, SpacetimeKind,
 };
-use warpfront::study::free::{Accuracy, Exit, FreeRay, FreeRayEnd, trace};
+use warpfront::study::free::isotropic::{Exit, FreeRay, trace};
+use warpfront::study::free::{Accuracy, FreeRayEnd};
 
 /// Every spacetime with its parameters at the ends of their ranges and within.
 fn media() -> Vec<(String, Metric)> {

@@ -87,6 +87,16 @@ fn no_bounce_leaves_a_closed_bumpy_room_of_triangles_with_a_hole_in_it() {
 }
 
 #[test]
+fn no_ray_leaves_a_closed_bumpy_room_of_triangles_with_a_spinning_hole_in_it() {
+    let center = DVec3::new(20.0, -5.0, 3.0);
+    let spinning = hole(center, 1.0).replace("schwarzschild\"", "kerr\"\nspin = 0.95\naxis = [1, 1, 3]");
+    let camera_rays = counts_in_bumpy_room(&spinning, center, 0.0, 300);
+    assert_tight(&camera_rays, 500_000);
+    assert!(camera_rays.fates.captured > 1000, "the hole is hardly there: {camera_rays:?}");
+    assert_tight(&counts_in_bumpy_room(&spinning, center, 0.9, 60), 400_000);
+}
+
+#[test]
 fn no_bounce_leaves_a_closed_bumpy_room_of_triangles_in_flat_space() {
     assert_tight(&counts_in_bumpy_room("", DVec3::ZERO, 0.9, 90), 1_000_000);
 }

@@ -317,6 +317,7 @@ fn learnt_directions_have_the_density_that_is_said_of_them() {
         let axis = random.direction();
         let photons: Vec<Photon> = (0..40)
             .map(|index| Photon {
+                side: warpfront::spacetime::Side::Near,
                 position: random.in_cube() * DVec3::new(1.0, 1.0, 0.01),
                 normal: DVec3::Z,
                 direction: (axis + spread * random.in_cube()).normalize(),
@@ -437,7 +438,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
                     let Landing { primitive, position, direction } = landing;
                     sampler.reaches(&lights, target, &LightRayEnd { primitive, position, direction })
                 }
-                (Target::Infinity, Outcome::Escaped(_)) => true,
+                (Target::Infinity(_), Outcome::Escaped(_)) => true,
                 _ => false,
             };
             met.then_some((sample.direction, 0.0))

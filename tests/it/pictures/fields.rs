@@ -5,6 +5,7 @@ use crate::support::{
 };
 use glam::DVec3;
 use warpfront::scene::Baked;
+use warpfront::spacetime::{Entry, GradedLens, Hole, IndexMedium, Lenses, SeveralHoles, SpacetimeKind};
 use warpfront::trace::Run;
 
 const TWO_HOLES: &str = "[spacetime]\nkind = \"several-holes\"\n\
@@ -64,8 +65,11 @@ fn several_holes_and_lenses_have_the_same_bits_by_both_schedules() {
     };
     // Many triangles are searched in a tree, few shapes side by side.
     let teapot = |overrides: &[&str]| {
-        let lens = "spacetime={ kind = \"lenses\", lens = [{ kind = \"gaussian\", center = [0, 1, 2], width = 0.7, amplitude = 0.4 }] }";
-        bits(&scene_file(&scene_path("teapot_black_hole.toml"), &[&common[..], &[lens], overrides].concat()))
+        let mut scene = scene_file(&scene_path("teapot_black_hole.toml"), &[&common[..], overrides].concat());
+        let center = scene.spacetime.center().unwrap();
+        let lens = GradedLens::Gaussian { center, width: 4.0, amplitude: 0.4 };
+        scene.spacetime = SpacetimeKind::Indexed(IndexMedium::Lenses(Lenses::new(&[lens])));
+        bits(&scene)
     };
     for stepper in ["render.stepper=\"rkn6\"", "render.stepper=\"dop853\""] {
         let (wavefront, per_pixel) = ("render.schedule=\"wavefront\"", "render.schedule=\"per-pixel\"");
@@ -84,20 +88,14 @@ fn one_hole_is_seen_as_a_hole_of_extremal_charge() {
         "render.stepper=\"dop853\"",
         "render.tolerance=1e-9",
     ];
-    let picture = |spacetime: &str| {
-        let scene = scene_file(&scene_path("cornell_black_hole.toml"), &[&common[..], &[spacetime]].concat());
-        render(&scene, &Run::default()).image.channel("G").unwrap().to_vec()
-    };
-    let own = scene_file(&scene_path("cornell_black_hole.toml"), &[]).spacetime;
-    let (center, r_s) = (own.center().unwrap(), own.schwarzschild_radius());
-    let [x, y, z] = center.to_array();
-    let charged = picture(&format!(
-        "spacetime={{ kind = \"reissner-nordstrom\", center = [{x:?}, {y:?}, {z:?}], schwarzschild_radius = {r_s:?}, charge = 1.0 }}"
-    ));
-    let one = picture(&format!(
-        "spacetime={{ kind = \"several-holes\", hole = [{{ center = [{x:?}, {y:?}, {z:?}], mass = {:?} }}] }}",
-        0.5 * r_s
-    ));
+    let mut scene = scene_file(&scene_path("cornell_black_hole.toml"), &common);
+    let (center, r_s) = (scene.spacetime.center().unwrap(), scene.spacetime.schwarzschild_radius());
+    let green = |scene: &Baked| render(scene, &Run::default()).image.channel("G").unwrap().to_vec();
+    scene.spacetime = Entry::named("reissner-nordstrom").unwrap().with(center, &[r_s, 1.0]);
+    let charged = green(&scene);
+    let hole = SeveralHoles::new(&[Hole { center, mass: 0.5 * r_s }]);
+    scene.spacetime = SpacetimeKind::Indexed(IndexMedium::SeveralHoles(hole));
+    let one = green(&scene);
     // The same random numbers: only rays that pass an edge within the tolerance differ.
     let differ = charged.iter().zip(&one).filter(|(a, b)| (*a - *b).abs() > 1e-4 * a.abs().max(1e-3)).count();
     assert!(differ < charged.len() / 50, "{differ} of {}", charged.len());

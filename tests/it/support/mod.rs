@@ -12,7 +12,6 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use clap::ValueEnum;
 use glam::DVec3;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
@@ -68,8 +67,7 @@ pub fn table(name: &str) -> Vec<Row> {
 
 /// The names of all steppers that follow orbits to a tolerance.
 pub fn orbit_steppers() -> Vec<String> {
-    let all = StepperKind::value_variants().iter().copied();
-    all.filter(|&stepper| stepper != StepperKind::Rk4Paper).map(flag_name).collect()
+    StepperKind::OF_ORBITS.map(flag_name).to_vec()
 }
 
 /// The path of a file in `scenes/`.
@@ -105,6 +103,19 @@ pub fn hole(center: DVec3, schwarzschild_radius: f64) -> String {
         "[spacetime]\nkind = \"schwarzschild\"\ncenter = {}\nschwarzschild_radius = {schwarzschild_radius:?}\n",
         vector(center)
     )
+}
+
+/// `[spacetime]` of an Ellis wormhole, with further keys.
+pub fn wormhole(center: DVec3, throat_radius: f64, keys: &str) -> String {
+    format!(
+        "[spacetime]\nkind = \"ellis-wormhole\"\ncenter = {}\nthroat_radius = {throat_radius:?}\n{keys}",
+        vector(center)
+    )
+}
+
+/// The entity or camera of a text, on the far side.
+pub fn far(text: &str) -> String {
+    text.to_owned() + "side = \"far\"\n"
 }
 
 /// `[camera]`; looks from `position` to `target`.

@@ -1,20 +1,45 @@
-//! Rays followed where nothing is in the way, from any start to a sphere around the centre of the spacetime.
+//! Rays in isotropic coordinates: of flat space and of static, spherical spacetimes.
 
+use std::f64::consts::TAU;
 use std::marker::PhantomData;
 
 use glam::DVec3;
 
-use super::input_error::{Input, InputError};
+use super::super::input_error::{Input, InputError};
+use super::super::table::number_cell;
+use super::lengths::Lengths;
+use super::table_form::other_chart;
+use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
-    ConformallyFlat, Fate, IndexField, KerrNewman, Parameter, Placement, Range, SpacetimeKind,
-    SpacetimeVisitor,
+    ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Placement, SpacetimeKind, SpacetimeVisitor,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
+
+/// Columns of a ray's start, of its direction, of any length, and of the isotropic radius of its sphere.
+const START: [&str; 3] = ["x0", "y0", "z0"];
+const DIRECTION: [&str; 3] = ["dx0", "dy0", "dz0"];
+const SPHERE: [&str; 1] = ["r_out"];
+
+/// Form of the tables.
+pub(super) static FORM: TableForm = TableForm {
+    needed: &["x0", "y0", "z0", "dx0", "dy0", "dz0", "r_out"],
+    optional: &[],
+    results: &[
+        "x1", "y1", "z1", "dx1", "dy1", "dz1", "t", "phi", "revs", "b", "eps", "r_min", "sens", "drift_h",
+        "drift_l",
+    ],
+    crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
+    steppers: &StepperKind::OF_ORBITS,
+    stepper: None,
+    radius: |_, cells| cells.last(),
+    trace: |spacetime, cells, accuracy| Ok(trace(spacetime, &FreeRay::of(cells), accuracy)?.traced()),
+    arrive: |spacetime, cells, accuracy| arrive(spacetime, &FreeRay::of(cells), accuracy),
+};
 
 /// A ray to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,54 +50,6 @@ pub struct FreeRay {
     pub direction: DVec3,
     /// Isotropic radius of the sphere on which it is to arrive, outwards.
     pub r_out: f64,
-}
-
-/// Accuracy with which rays are followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accuracy {
-    /// Any but the paper's, which knows neither orbits nor tolerances.
-    pub stepper: StepperKind,
-    /// Largest error of a ray's direction, all its steps together, radians at its start.
-    pub tolerance: f64,
-    /// Numbers that the orbit is followed in.
-    pub precision: Precision,
-}
-
-/// Status of a ray at its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FreeRayEnd {
-    /// It crossed the sphere outwards.
-    Escaped,
-    /// It falls through the horizon before.
-    Captured,
-    /// It leaves to infinity without ever crossing the sphere outwards.
-    Missed,
-    /// It took more steps than allowed.
-    StepLimit,
-    /// Its state is no longer finite.
-    NonFinite,
-}
-
-impl FreeRayEnd {
-    /// All, in order.
-    pub const ALL: [Self; 5] =
-        [Self::Escaped, Self::Captured, Self::Missed, Self::StepLimit, Self::NonFinite];
-
-    /// As tables have it.
-    pub fn name(self) -> &'static str {
-        match self {
-            FreeRayEnd::Escaped => "escaped",
-            FreeRayEnd::Captured => "captured",
-            FreeRayEnd::Missed => "missed",
-            FreeRayEnd::StepLimit => "step-limit",
-            FreeRayEnd::NonFinite => "non-finite",
-        }
-    }
-
-    /// True if numbers failed, and not the ray.
-    pub fn is_lost(self) -> bool {
-        matches!(self, FreeRayEnd::StepLimit | FreeRayEnd::NonFinite)
-    }
 }
 
 /// A ray, followed.
@@ -88,6 +65,9 @@ pub struct Exit {
     pub eps: Option<f64>,
     /// Isotropic radius of the point nearest to the centre, if the ray passed one.
     pub r_min: Option<f64>,
+    /// True if the ray passed a throat. Its crossing is then as if the other side were glued on without inversion: it is
+    /// to be turned by half a turn about the centre.
+    pub passes: bool,
     /// Steps tried.
     pub steps: u32,
 }
@@ -112,15 +92,42 @@ pub struct Crossing {
     pub drift_l: Option<f64>,
 }
 
-/// A ray, followed for its end only.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arrival {
-    /// Status at its end.
-    pub status: FreeRayEnd,
-    /// Position of the crossing of the sphere, in the chart, and unit direction there, if it escaped.
-    pub crossing: Option<(DVec3, DVec3)>,
-    /// Steps tried.
-    pub steps: u32,
+impl FreeRay {
+    fn of(cells: &Cells) -> Self {
+        let ray = &cells.needed;
+        Self { start: DVec3::from_slice(&ray[0..3]), direction: DVec3::from_slice(&ray[3..6]), r_out: ray[6] }
+    }
+}
+
+impl Exit {
+    fn traced(&self) -> Traced {
+        let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
+        let crossing = self.crossing.as_ref();
+        let at = |value: fn(&Crossing) -> f64| cell(crossing.map(value));
+        let cells = vec![
+            at(|c| c.position.x),
+            at(|c| c.position.y),
+            at(|c| c.position.z),
+            at(|c| c.direction.x),
+            at(|c| c.direction.y),
+            at(|c| c.direction.z),
+            at(|c| c.time),
+            at(|c| c.swept),
+            at(|c| c.swept / TAU),
+            cell(Some(self.b)),
+            cell(self.eps),
+            cell(self.r_min),
+            at(|c| c.sens),
+            at(|c| c.drift_h),
+            cell(crossing.and_then(|c| c.drift_l)),
+        ];
+        let crossing = crossing.map(|&Crossing { position, direction, sens, .. }| SphereCrossing {
+            position,
+            direction,
+            sens,
+        });
+        Traced { status: self.status, crossing, cells, steps: self.steps }
+    }
 }
 
 /// Distance from the sphere, relative to its radius, at which a start counts as on it.
@@ -144,7 +151,7 @@ pub fn arrive(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> 
 }
 
 /// Answer about a ray: its exit, or only its arrival.
-trait Answer: Sized {
+pub(super) trait Answer: Sized {
     /// In flat space.
     fn straight(exit: Exit) -> Self;
 
@@ -169,18 +176,28 @@ impl Answer for Arrival {
     }
 
     fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+        orbit.arrival::<R>(stepper, tolerance).0
+    }
+}
+
+/// An arrival, and true if the ray passed a throat, as [`Exit::passes`].
+impl Answer for (Arrival, bool) {
+    fn straight(exit: Exit) -> Self {
+        (Answer::straight(exit), false)
+    }
+
+    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
         orbit.arrival::<R>(stepper, tolerance)
     }
 }
 
 fn answer<A: Answer>(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> Result<A, InputError> {
     let lengths = Lengths::of(accuracy.precision);
-    lengths.check(Input::Direction, "the length of the direction", ray.direction.length())?;
-    lengths.check(Input::Sphere, "the radius of the sphere", ray.r_out)?;
-    let x = lengths.start(ray, spacetime.center().unwrap_or_default())?;
-    for (parameter, value) in spacetime.parameters() {
-        lengths.check_parameter(parameter, value)?;
-    }
+    lengths.check(Input::Columns(&DIRECTION), "the length of the direction", ray.direction.length())?;
+    lengths.check(Input::Columns(&SPHERE), "the radius of the sphere", ray.r_out)?;
+    let x = ray.start - spacetime.center().unwrap_or_default();
+    lengths.check(Input::Columns(&START), "the distance of the start from the centre", x.length())?;
+    lengths.check_parameters(spacetime)?;
     spacetime.visit(Asker { x, ray, accuracy, answer: PhantomData })
 }
 
@@ -203,87 +220,21 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
         curved(&medium, self.x, center, self.ray, self.accuracy)
     }
 
+    fn wormhole<M: ConformallyFlat>(self, _: Mouths, _: M) -> Self::Output {
+        Err(other_chart("one side's isotropic"))
+    }
+
     fn indexed<F: IndexField>(self, _: &F) -> Self::Output {
-        Err(InputError {
-            input: Input::Stepper,
-            cause: "rays among several holes run in renders only".to_owned(),
-            remedy: "give another --spacetime".to_owned(),
-        })
+        Err(other_chart("isotropic"))
     }
 
     fn spinning(self, _: Placement, _: KerrNewman) -> Self::Output {
-        Err(InputError {
-            input: Input::Stepper,
-            cause: "rays around a spinning hole run in renders only".to_owned(),
-            remedy: "give another --spacetime".to_owned(),
-        })
-    }
-}
-
-impl Accuracy {
-    /// Checks that there is a stepper for orbits.
-    ///
-    /// # Errors
-    /// If the stepper is the paper's.
-    pub fn check(&self) -> Result<(), InputError> {
-        if self.stepper == StepperKind::Rk4Paper { Err(no_orbits()) } else { Ok(()) }
-    }
-}
-
-fn no_orbits() -> InputError {
-    InputError {
-        input: Input::Stepper,
-        cause: "the stepper rk4-paper knows no tolerance and runs in renders only".to_owned(),
-        remedy: "take another stepper, such as rkn6 or dop853".to_owned(),
-    }
-}
-
-/// Lengths whose products with each other have squares that are numbers.
-struct Lengths {
-    least: f64,
-    most: f64,
-}
-
-impl Lengths {
-    fn of(precision: Precision) -> Self {
-        match precision {
-            Precision::F32 => Self { least: 1e-15, most: 1e15 },
-            Precision::F64 => Self { least: 1e-70, most: 1e70 },
-        }
-    }
-
-    fn check(&self, input: Input, what: &str, length: f64) -> Result<(), InputError> {
-        let Self { least, most } = *self;
-        if (least..=most).contains(&length) {
-            return Ok(());
-        }
-        let remedy = format!("give a length above 0, from {least:e} to {most:e}");
-        Err(InputError { input, cause: format!("{what} is {length}"), remedy })
-    }
-
-    /// Refuses values that a parameter of a spacetime may not have.
-    fn check_parameter(&self, parameter: &Parameter, value: f64) -> Result<(), InputError> {
-        let input = Input::Parameter(parameter.column);
-        if let Some((cause, remedy)) = parameter.out_of_bounds(value) {
-            return Err(InputError { input, cause, remedy });
-        }
-        if parameter.range != Range::Length {
-            return Ok(());
-        }
-        self.check(input, parameter.noun, value)
-            .map_err(|fault| InputError { remedy: fault.remedy + ", or 0 for flat space", ..fault })
-    }
-
-    /// The start of `ray` relative to `center`.
-    fn start(&self, ray: &FreeRay, center: DVec3) -> Result<DVec3, InputError> {
-        let x = ray.start - center;
-        self.check(Input::Start, "the distance of the start from the centre", x.length())?;
-        Ok(x)
+        Err(other_chart("isotropic"))
     }
 }
 
 /// Follows a ray around `medium`, from `x` relative to its centre.
-fn curved<M: ConformallyFlat, A: Answer>(
+pub(super) fn curved<M: ConformallyFlat, A: Answer>(
     medium: &M,
     x: DVec3,
     center: DVec3,
@@ -298,13 +249,14 @@ fn curved<M: ConformallyFlat, A: Answer>(
     // As near to the horizon as a few roundings, the index is anything.
     if rho <= horizon * (1.0 + 4.0 * epsilon) {
         return Err(InputError {
-            input: Input::Start,
+            input: Input::Columns(&START),
             cause: format!("the ray starts at the isotropic radius {rho}, but the horizon is at {horizon}"),
             remedy: "start outside the horizon; the isotropic radius is not the areal one".to_owned(),
         });
     }
     let orbit = Orbit { medium, center, x, ray, launch: Launch::new(medium, x, ray.direction, epsilon) };
-    with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData }).ok_or_else(no_orbits)
+    with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData })
+        .ok_or_else(|| FORM.refusal(accuracy.stepper))
 }
 
 /// Request for the answer about an orbit, for a stepper.
@@ -323,7 +275,7 @@ impl<M: ConformallyFlat, A: Answer> UseStepper for Asked<'_, M, A> {
 }
 
 /// A ray about to be followed.
-struct Orbit<'a, M> {
+pub(super) struct Orbit<'a, M> {
     medium: &'a M,
     center: DVec3,
     /// Start, relative to the centre.
@@ -358,7 +310,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         }
     }
 
-    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Arrival {
+    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> (Arrival, bool) {
         let Self { medium, launch, .. } = self;
         let start = Phase::new(*medium, R::of(launch.w), R::of(launch.v));
         let control = Control::new(*medium, tolerance, f64::INFINITY);
@@ -369,7 +321,8 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
             _ => None,
         };
-        Arrival { status: self.status(&journey.end), crossing, steps: journey.steps }
+        let status = self.status(&journey.end);
+        (Arrival { status, crossing, steps: journey.steps }, journey.passes)
     }
 
     /// Position, in the chart, and direction at the inverse radius `w`.
@@ -400,6 +353,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             b: launch.b,
             eps: (critical > 0.0).then(|| (launch.b - critical) / critical),
             r_min: journey.periastron.map(|w| 1.0 / w.value()),
+            passes: journey.passes,
             steps: journey.steps,
         }
     }
@@ -447,7 +401,7 @@ fn drift_l(before: f64, after: f64) -> Option<f64> {
 }
 
 /// Follows a ray in flat space from `x`, its sphere about the origin, in closed form.
-fn straight(x: DVec3, ray: &FreeRay) -> Exit {
+pub(super) fn straight(x: DVec3, ray: &FreeRay) -> Exit {
     let (rho, r_out) = (x.length(), ray.r_out);
     let direction = ray.direction.normalize();
     let b = spin(x, ray.direction);
@@ -469,7 +423,7 @@ fn straight(x: DVec3, ray: &FreeRay) -> Exit {
         }
     });
     let status = if crosses { FreeRayEnd::Escaped } else { FreeRayEnd::Missed };
-    Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), steps: 0 }
+    Exit { status, crossing, b, eps: None, r_min: (along < 0.0).then_some(b), passes: false, steps: 0 }
 }
 
 #[cfg(test)]
@@ -603,14 +557,14 @@ mod tests {
         let good = ray([3.0, 1.0, -2.0], [1.0, 0.0, 0.0], 7.0);
         let far = DVec3::splat(1e200);
         let cases = [
-            (FreeRay { direction: DVec3::ZERO, ..good }, Input::Direction),
-            (FreeRay { direction: DVec3::NAN, ..good }, Input::Direction),
-            (FreeRay { direction: far, ..good }, Input::Direction),
-            (FreeRay { start: DVec3::ZERO, ..good }, Input::Start),
-            (FreeRay { start: far, ..good }, Input::Start),
-            (FreeRay { start: DVec3::X * 0.25, ..good }, Input::Start),
-            (FreeRay { r_out: 0.0, ..good }, Input::Sphere),
-            (FreeRay { r_out: f64::NAN, ..good }, Input::Sphere),
+            (FreeRay { direction: DVec3::ZERO, ..good }, Input::Columns(&DIRECTION)),
+            (FreeRay { direction: DVec3::NAN, ..good }, Input::Columns(&DIRECTION)),
+            (FreeRay { direction: far, ..good }, Input::Columns(&DIRECTION)),
+            (FreeRay { start: DVec3::ZERO, ..good }, Input::Columns(&START)),
+            (FreeRay { start: far, ..good }, Input::Columns(&START)),
+            (FreeRay { start: DVec3::X * 0.25, ..good }, Input::Columns(&START)),
+            (FreeRay { r_out: 0.0, ..good }, Input::Columns(&SPHERE)),
+            (FreeRay { r_out: f64::NAN, ..good }, Input::Columns(&SPHERE)),
         ];
         for (ray, input) in cases {
             assert_eq!(trace(&HOLE, &ray, &ACCURACY).unwrap_err().input, input, "{ray:?}");
