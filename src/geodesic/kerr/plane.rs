@@ -170,12 +170,12 @@ impl PlaneSeries {
 
     /// Length of a step.
     fn length(&self, hole: &UnitHole) -> f64 {
-        let log2 = |x: f64| fast_log2::log2(x.clamp(1e-37, 1e37) as f32);
+        let log2 = fast_log2::wide_log2;
         let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
         let last = self.rest[POWERS - 1].abs();
         let accurate = root(log2(TOLERANCE) - log2(self.w * last), POWERS - 1);
         let strain = root(log2(STRAIN) - log2((POWERS - 1) as f64 * last), POWERS - 2);
-        let h = f64::from(fast_log2::exp2(accurate.min(strain).min(100 * fast_log2::OCTAVE)));
+        let h = fast_log2::wide_exp2(accurate.min(strain));
         h.min(WIDEST / self.w).min(hole.horizon / (self.v.abs() + f64::MIN_POSITIVE))
     }
 

@@ -19,7 +19,7 @@ use super::launch_point::LaunchPoint;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
-use crate::light::{Lensed, LightSampler};
+use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};

@@ -49,7 +49,7 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
             _ => random.log_between(4.0, 25.0) * random.direction(),
         };
         let mut scene = lamps(place, size);
-        spin(&mut scene, (2.0, a, 0.0), Placement { center: DVec3::ZERO, axis });
+        spin(&mut scene, (2.0, a, 0.0), Placement { axis, ..DVec3::ZERO.into() });
         let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
         let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
         let Baked { geometry, materials, environment, .. } = &scene;
@@ -101,11 +101,12 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let spacetime = (2.0, random.between(-1.0, 1.0), 0.0);
         let radius = |random: &mut Random| random.log_between(1e-3, 1e6);
         let along = number % 3 == 0;
-        let place = radius(&mut random) * if along { axis } else { random.direction() };
+        let near = |random: &mut Random| random.log_between(1e-2, 1e3);
+        let place = near(&mut random) * if along { axis } else { random.direction() };
         let position = radius(&mut random) * if along { -axis } else { random.direction() };
         let position = if number % 7 == 0 { place } else { position };
-        let mut scene = lamps(place, radius(&mut random));
-        spin(&mut scene, spacetime, Placement { center: DVec3::ZERO, axis });
+        let mut scene = lamps(place, near(&mut random));
+        spin(&mut scene, spacetime, Placement { axis, ..DVec3::ZERO.into() });
         let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
         let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
         let Baked { geometry, materials, environment, .. } = &scene;
@@ -128,11 +129,11 @@ fn random_rooms(count: u64, spp: u32) {
         number += 1;
         let mut random = Random::new(2000 + number);
         let twist = [Twist::Flat, Twist::Nothing, Twist::Close][number as usize % 3];
-        let mut scene = room(&mut random, twist, 1.0);
+        let mut scene = room(&mut random, twist, 1.5);
         let a = [0.9, -0.9, 0.0, 0.998][number as usize % 4];
         let charge = if number % 5 == 0 { 0.3 } else { 0.0 };
         let charge = if a * a + charge * charge > 1.0 { 0.0 } else { charge };
-        let placement = Placement { center: 3.0 * random.in_cube(), axis: random.direction() };
+        let placement = Placement { axis: random.direction(), ..(3.0 * random.in_cube()).into() };
         let r_s = random.between(0.8, 4.0);
         // Nothing is at rest in the ergosphere.
         if scene.geometry.radii(placement.center).is_none_or(|(nearest, _)| nearest < 1.1 * r_s) {
