@@ -19,8 +19,8 @@ use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
 use crate::spacetime::{AtInfinity, Side};
 
-/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
-/// generic over aims.
+/// Sampling of lights, with some [`Aim`] or otherwise, compiled for each and chosen once per light sample: renders need
+/// not be generic over it.
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
