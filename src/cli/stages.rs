@@ -124,6 +124,10 @@ fn lights(scene: &Baked, sampling: Option<LightSummary>) -> Stage {
     let way = match (settings.light_sampling, scene.spacetime.is_flat()) {
         (_, true) => "along straight lines".to_owned(),
         (LightSampling::Straight, _) => "along straight lines, wrong here".to_owned(),
+        _ if matches!(scene.spacetime, SpacetimeKind::Spinning { .. }) => {
+            let most = settings.max_winding.min(1);
+            format!("in regions of directions about winding number 0 to {most}; what these miss, paths meet")
+        }
         _ => {
             let through =
                 if scene.spacetime.wormhole().is_some() { ", through the throat as well" } else { "" };

@@ -1,7 +1,8 @@
 //! Emitters and how to find them.
 //!
 //! A light sample is a direction, chosen where light may come from, with its density in solid angle. [`Lights`] chooses
-//! the light, an [`Aim`] finds the rays to it, and a [`LightSampler`] makes a sample of both.
+//! the light, an [`Aim`] finds the rays to it, and a [`LightSampler`] makes a sample of both; around a spinning hole, where
+//! no formula joins two places, [`Regions`] of directions take the place of rays.
 //!
 //! A ray found by BSDF sampling that ends on an emitter asks for the density with which it could have been sampled:
 //! both ways of finding light are then weighted by [`Heuristic`].

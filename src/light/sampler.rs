@@ -19,8 +19,8 @@ use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
 use crate::spacetime::{AtInfinity, Side};
 
-/// Sampling of lights with some [`Aim`], compiled for each and chosen once per light sample: renders need not be
-/// generic over aims.
+/// Sampling of lights, with some [`Aim`] or otherwise, compiled for each and chosen once per light sample: renders need
+/// not be generic over it.
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
@@ -41,6 +41,9 @@ pub trait LightSampler: Send + Sync {
 
     /// True if a light ray that lands there has reached its target.
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
+
+    /// True if punctual lights and the sky are sampled, not surfaces alone.
+    fn samples_all(&self) -> bool;
 }
 
 impl<A: Aim> LightSampler for A {
@@ -97,7 +100,11 @@ impl<A: Aim> LightSampler for A {
 
     fn reaches(&self, _: &Lights, target: Target, end: &LightRayEnd) -> bool {
         let Target::Surface(wanted, at) = target else { return false };
-        end.primitive == wanted && self.is_reached(end.primitive.side(), at, end.position)
+        end.primitive == wanted && self.is_reached(wanted.side(), at, end.position)
+    }
+
+    fn samples_all(&self) -> bool {
+        true
     }
 }
 

@@ -9,6 +9,7 @@ use crate::light::{
     Receiver, StraightAim, Target, Transmission,
 };
 use crate::scene::{Baked, LightSampling};
+use crate::shade::Environment;
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 
 /// State of light sampling: lights, sampler, guide, heuristic.
@@ -66,9 +67,13 @@ impl Illumination {
         let sampler: Box<dyn LightSampler> =
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
-        let lights =
-            Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, floor)
-                .with_far(&scene.far.environment, &scene.far.punctual);
+        let (environment, punctual) = if sampler.samples_all() {
+            (&scene.environment, &scene.punctual[..])
+        } else {
+            (&Environment::Black, &[][..])
+        };
+        let lights = Lights::new(&scene.geometry, &scene.materials, environment, punctual, floor)
+            .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
             Some((mouths, metric)) => lights.through(Transmission {
                 mouths,
@@ -86,7 +91,11 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: scene.punctual.len() + scene.far.punctual.len(),
+            punctual: if self.sampler.samples_all() {
+                scene.punctual.len() + scene.far.punctual.len()
+            } else {
+                0
+            },
             sky: self.lights.has_sky(),
             is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }

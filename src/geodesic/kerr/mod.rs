@@ -40,7 +40,7 @@ pub use hole::UnitHole;
 pub use launch::KerrLaunch;
 pub use photon::KerrPhoton;
 pub use place::PlacedHole;
-pub use plane::{Orbit, OrbitEnd, Plane};
+pub use plane::{OrbitPlane, PlaneOrbit, PlaneOrbitEnd};
 pub use powers::{UsePowers, with_powers};
 pub use series::Series;
 pub use state::MinoState;

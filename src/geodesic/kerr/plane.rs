@@ -14,7 +14,7 @@ use crate::math::{fast_log2, sin_cos_turns};
 
 /// Rays from a place that start into the half of a plane through the centre.
 #[derive(Clone, Copy, Debug)]
-pub struct Plane {
+pub struct OrbitPlane {
     hole: UnitHole,
     /// Inverse radius, N and the tangent there.
     u: f64,
@@ -31,7 +31,7 @@ pub struct Plane {
 
 /// One of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orbit {
+pub struct PlaneOrbit {
     /// Constants of motion.
     pub constants: Constants,
     /// Start.
@@ -42,7 +42,7 @@ pub struct Orbit {
 
 /// End of an orbit that was followed through an angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrbitEnd {
+pub struct PlaneOrbitEnd {
     /// Inverse radius: no larger than the horizon's much, nor below 0.
     pub u: f64,
     /// Its derivative by the angle.
@@ -64,7 +64,7 @@ const WIDEST: f64 = 1.6;
 /// Most steps.
 const MAX_STEPS: usize = 64;
 
-impl Plane {
+impl OrbitPlane {
     /// The half-plane from inverse radius `u` and unit vector `n`, towards the unit `tangent` across it; `None` in the
     /// ergosphere.
     pub fn new(hole: &UnitHole, (u, n): (f64, DVec3), tangent: DVec3) -> Option<Self> {
@@ -89,7 +89,7 @@ impl Plane {
     }
 
     /// The ray at an angle `alpha` in (0, π), which grows from falling radially to leaving radially.
-    pub fn orbit(&self, alpha: f64) -> Orbit {
+    pub fn orbit(&self, alpha: f64) -> PlaneOrbit {
         let Self { hole, u, n, tangent, tilt, widest, root, bow } = *self;
         let a = hole.a;
         let (a2, mu2) = (a * a, n.z * n.z);
@@ -104,13 +104,13 @@ impl Plane {
         let k = w * w - 2.0 * a * l + a2 * (1.0 - mu2);
         let kappa = a2 * (j2 - l * l) + hole.e2 * k;
         let constants = Constants { l, k, j2, k2: j2 - a2, kappa, barrier: f64::INFINITY };
-        Orbit { constants, start: MinoState { u, v, n, m: w * tangent }, w }
+        PlaneOrbit { constants, start: MinoState { u, v, n, m: w * tangent }, w }
     }
 }
 
-impl Orbit {
+impl PlaneOrbit {
     /// Follows it through `angle`, radians, to first order in the spin.
-    pub fn follow(&self, hole: &UnitHole, angle: f64) -> OrbitEnd {
+    pub fn follow(&self, hole: &UnitHole, angle: f64) -> PlaneOrbitEnd {
         let Self { constants, start: MinoState { mut u, mut v, .. }, w } = *self;
         let (mut left, mut winding) = (angle, 0.0);
         let rate = |u: f64, v: f64| {
@@ -127,7 +127,7 @@ impl Orbit {
                 // The part of the step that is outside, by its chord.
                 let bound = if end.0 > u { hole.horizon } else { 0.0 };
                 let part = ((bound - u) / (end.0 - u)).clamp(0.0, 1.0);
-                return OrbitEnd { u: bound, slope: v / w, winding, left: left - part * h * w };
+                return PlaneOrbitEnd { u: bound, slope: v / w, winding, left: left - part * h * w };
             }
             // Simpson's rule.
             let end_rate = rate(end.0, end.1);
@@ -138,7 +138,7 @@ impl Orbit {
                 break;
             }
         }
-        OrbitEnd { u, slope: v / w, winding, left: 0.0 }
+        PlaneOrbitEnd { u, slope: v / w, winding, left: 0.0 }
     }
 }
 

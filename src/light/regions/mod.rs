@@ -19,7 +19,7 @@ use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sampler::LightSampler;
 use crate::geodesic::kerr::PlacedHole;
 use crate::spacetime::{AtInfinity, RestFrame};
-use view::View;
+use view::RegionView;
 
 /// Light sampling by regions of directions.
 pub struct Regions {
@@ -40,7 +40,7 @@ impl Regions {
 impl LightSampler for Regions {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
         let ChosenLight::Surface(emitter, pmf) = lights.choose(receiver, u0)? else { return None };
-        let view = View::new(&self.place, receiver, emitter, self.goes_around)?;
+        let view = RegionView::new(&self.place, receiver, emitter, self.goes_around)?;
         let (direction, density) = view.sample(u)?;
         Some(LightSample {
             direction: self.place.outwards(direction),
@@ -61,7 +61,7 @@ impl LightSampler for Regions {
         if pmf == 0.0 {
             return 0.0;
         }
-        let view = View::new(&self.place, receiver, emitter, self.goes_around);
+        let view = RegionView::new(&self.place, receiver, emitter, self.goes_around);
         pmf * view.map_or(0.0, |view| view.density(self.place.inwards(direction)))
     }
 
@@ -77,5 +77,9 @@ impl LightSampler for Regions {
         };
         let normal = self.frame.normal(end.position, emitter.normal_at(end.position));
         emitter.both_sides || end.direction.dot(normal) < 0.0
+    }
+
+    fn samples_all(&self) -> bool {
+        false
     }
 }

@@ -11,7 +11,7 @@ use crate::light::emitter::{Emitter, Extent};
 use crate::light::receiver::Receiver;
 
 /// View of a light: its near region, and what the region of rays that go around the hole follows from.
-pub struct View {
+pub struct RegionView {
     hole: UnitHole,
     from: KerrPlace,
     light: Light,
@@ -50,7 +50,7 @@ const LEAST_AROUND: f64 = 0.02;
 /// Size of a light relative to the sine of the angle between both up to which what is seen of it is linear.
 const LINEAR: f64 = 0.2;
 
-impl View {
+impl RegionView {
     /// The view that a receiver has of an emitter; `None` if that is too close or too large. Directions are along the
     /// hole's axes.
     pub fn new(
