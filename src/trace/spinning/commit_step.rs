@@ -1,7 +1,7 @@
-//! SpinningCommits a step that met nothing: from its end to the start of the next.
+//! Committing a step that met nothing: from its end to the start of the next.
 
-use super::Spinning;
 use super::flight::{SpinningFlight, SpinningMove};
+use super::rays::Spinning;
 use crate::geometry::PrimitiveId;
 use crate::math::kernel::Kernel;
 use crate::spacetime::Fate;

@@ -8,122 +8,27 @@ mod commit_step;
 mod flight;
 mod launch;
 mod march;
+mod rays;
+mod retrace;
 mod span;
 
 use glam::DVec3;
 
-use super::arc_sweep::ArcSweep;
 use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::launch_point::LaunchPoint;
-use super::transport::{Landing, Moved, Outcome, Start, Transport};
+use super::transport::{Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
-use crate::geodesic::kerr::{KerrEnd, KerrLaunch, PlacedHole, follow};
 use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::light::{LightSampler, Regions};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
-use crate::scene::Baked;
-use crate::spacetime::{AtInfinity, Chart, KerrNewman, Placement, RestFrame};
 use commit_step::SpinningCommits;
 use flight::{SpinningFlight, SpinningMove};
 use launch::SpinningLaunches;
-use march::{SeriesMarch, SpinningMarch, keeps_outside, march};
+pub use rays::Spinning;
 use span::SpinningSpan;
-
-/// Rays around a spinning hole.
-pub struct Spinning {
-    place: PlacedHole,
-    frame: RestFrame,
-    march: Box<dyn SeriesMarch>,
-    /// Inverse radii, in units of the mass, beyond which rays need not be followed.
-    chart: Chart,
-    /// True if the directions of escaped rays at infinity matter; else rays are not followed there.
-    sky: bool,
-    tolerance: f64,
-    /// Largest distance between an arc and the curve, scene units.
-    arc_tolerance: f64,
-    sweep: ArcSweep,
-}
-
-impl Spinning {
-    /// Rays through `scene` around a hole; falling ones are followed at least to the distance `core` from it, and leaving
-    /// ones to infinity only for a `sky`.
-    pub fn new(scene: &Baked, (placement, hole): (Placement, KerrNewman), core: f64, sky: bool) -> Self {
-        let place = PlacedHole::new(placement, &hole);
-        let (nearest, farthest) = scene.geometry.radii(placement.center).unwrap_or((f64::INFINITY, 0.0));
-        let nearest = nearest.min(core) / place.mass;
-        // Spheroidal radii of points at a distance d are between √(d² − a²) and d.
-        let a = place.hole.a;
-        let nearest = (nearest * nearest - a * a).max(0.0).sqrt();
-        let farthest = farthest.max(hole.outermost_photon_orbit()) / place.mass;
-        let chart = Chart { outer: 1.0 / farthest, inner: place.hole.horizon.min(1.0 / nearest) };
-        let tolerance = scene.settings.tolerance;
-        let arc_tolerance = scene.arc_tolerance_around(placement.center);
-        let marching = SpinningMarch { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
-        Self {
-            place,
-            frame: scene.spacetime.rest_frame(),
-            march: march(marching),
-            chart,
-            sky,
-            tolerance,
-            arc_tolerance,
-            sweep: ArcSweep::new(scene, arc_tolerance),
-        }
-    }
-
-    /// The step's arc, in world coordinates.
-    #[inline(always)]
-    fn arc(&self, flight: &SpinningFlight, step: &SpinningMove) -> Arc {
-        let start = flight.position + self.place.center;
-        Arc { p0: start, p1: start + step.middle, p2: start + step.end, w: step.weight }
-    }
-
-    /// True if a step can meet anything.
-    #[inline(always)]
-    fn is_searched(&self, flight: &SpinningFlight, step: &SpinningMove) -> bool {
-        let end = crate::geodesic::kerr::MinoState { u: step.u, v: step.v, ..flight.state() };
-        step.accepted & !keeps_outside(self.chart.outer, &flight.state(), &end)
-    }
-
-    /// Outcome of a move that met nothing, given the ray's next state.
-    fn outcome(&self, next: &SpinningFlight) -> Outcome<SpinningFlight> {
-        match next.status {
-            FlightStatus::Flies => Outcome::Flying(*next),
-            FlightStatus::Leaves => self.escaped(next),
-            FlightStatus::Falls => Outcome::Captured,
-            FlightStatus::StepLimit => Outcome::StepLimit,
-            FlightStatus::NonFinite => Outcome::NonFinite,
-        }
-    }
-
-    /// The direction at infinity of a ray that meets nothing more; where nobody asks for that, where it is.
-    fn escaped(&self, flight: &SpinningFlight) -> Outcome<SpinningFlight> {
-        let (constants, state) = (flight.constants(), flight.state());
-        if !self.sky {
-            let [velocity, _] = state.motion(&self.place.hole, &constants);
-            return Outcome::Escaped(AtInfinity::near(self.place.outwards(velocity).normalize()));
-        }
-        let launch = KerrLaunch { constants, state };
-        match follow(&self.place.hole, &launch, self.tolerance, 0.0, |_, _| {}).end {
-            KerrEnd::Crosses(end) => Outcome::Escaped(AtInfinity::near(self.place.outwards(end.n))),
-            KerrEnd::StepLimit => Outcome::StepLimit,
-            KerrEnd::Falls | KerrEnd::Misses | KerrEnd::NonFinite => Outcome::NonFinite,
-        }
-    }
-
-    /// Landing as the frame at rest has it, from one in the chart. What reaches into the ergosphere in spite of the
-    /// scene's checks takes the ray with it.
-    fn landed(&self, landing: Landing) -> Outcome<SpinningFlight> {
-        let direction = self.frame.direction(landing.position, landing.direction);
-        if !direction.is_finite() {
-            return Outcome::Captured;
-        }
-        Outcome::Landed(Landing { direction, ..landing })
-    }
-}
 
 /// Kernel that builds intersection queries from moves.
 struct SpinningQueries<'a>(&'a Spinning);
