@@ -92,19 +92,26 @@ impl KerrNewman {
         r2.sqrt()
     }
 
-    /// N of the outgoing chart at a position: that of the ingoing one with the spin reversed.
-    pub fn outgoing(&self, x: DVec3) -> DVec3 {
+    /// N of the outgoing chart at a position, that of the ingoing one with the spin reversed, and F there.
+    #[inline(always)]
+    pub fn outgoing(&self, x: DVec3) -> (DVec3, f64) {
         let (a, r) = (self.spin * self.mass, self.radius(x));
         let per = 1.0 / (r * r + a * a);
-        DVec3::new((r * x.x - a * x.y) * per, (r * x.y + a * x.x) * per, x.z / r)
+        let n = DVec3::new((r * x.x - a * x.y) * per, (r * x.y + a * x.x) * per, x.z / r);
+        (n, self.potential_at(r, x.z))
     }
 
     /// F = (2Mr − q²) r²/(r⁴ + a²z²): 1 on the surface of the ergosphere, less outside.
     pub fn potential(&self, x: DVec3) -> f64 {
+        self.potential_at(self.radius(x), x.z)
+    }
+
+    /// F at the spheroidal radius `r` and the height `z`.
+    #[inline(always)]
+    fn potential_at(&self, r: f64, z: f64) -> f64 {
         let (a, q) = (self.spin * self.mass, self.charge * self.mass);
-        let r = self.radius(x);
         let r2 = r * r;
-        (2.0 * self.mass * r - q * q) * r2 / (r2 * r2 + a * a * x.z * x.z)
+        (2.0 * self.mass * r - q * q) * r2 / (r2 * r2 + a * a * z * z)
     }
 
     /// True in the ergosphere and within the horizon: where nothing can be at rest.

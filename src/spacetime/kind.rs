@@ -393,7 +393,7 @@ impl SpacetimeKind {
             Self::Flat | Self::Spherical { .. } | Self::Wormhole { .. } | Self::Indexed(_) => {
                 RestFrame::Conformal
             }
-            Self::Spinning { placement, hole } => RestFrame::Spinning(placement, hole),
+            Self::Spinning { placement, hole } => RestFrame::spinning(placement, hole),
         }
     }
 

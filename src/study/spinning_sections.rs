@@ -63,7 +63,7 @@ impl SpinningHole {
     pub(super) fn way_out(&self, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
         let Self { placement, hole } = self;
         let (unit, mass, rotation) = (UnitHole::reversed(hole), hole.mass(), placement.rotation());
-        let seen = RestFrame::Spinning(*placement, *hole).direction(start, heading);
+        let seen = RestFrame::spinning(*placement, *hole).direction(start, heading);
         let launch = KerrLaunch::at_rest(&unit, placement.local(start) / mass, rotation * seen);
         let control = SeriesControl::new(POWERS, PRECISION);
         let mut points = Vec::new();

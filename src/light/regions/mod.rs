@@ -75,7 +75,7 @@ impl LightSampler for Regions {
         let Some((emitter, _)) = lights.emitter(end.primitive).filter(|_| end.primitive == wanted) else {
             return false;
         };
-        let normal = self.frame.normal(end.position, emitter.normal_at(end.position));
+        let [normal] = self.frame.normals(end.position, [emitter.normal_at(end.position)]);
         emitter.both_sides || end.direction.dot(normal) < 0.0
     }
 

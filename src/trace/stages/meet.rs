@@ -47,11 +47,8 @@ impl Meeting {
 fn surface_at(scene: &Baked, primitive: PrimitiveId, position: DVec3) -> SurfacePoint {
     let surface = scene.geometry.surface_point(primitive, position);
     let frame = scene.spacetime.rest_frame();
-    SurfacePoint {
-        normal: frame.normal(position, surface.normal),
-        shading_normal: frame.normal(position, surface.shading_normal),
-        ..surface
-    }
+    let [normal, shading_normal] = frame.normals(position, [surface.normal, surface.shading_normal]);
+    SurfacePoint { normal, shading_normal, ..surface }
 }
 
 fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
