@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::geodesic::Arc;
-use crate::geometry::{Found, Geometry, PrimitiveId};
+use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
 use crate::scene::Baked;
 
 /// Search along arcs among a scene's geometry.
@@ -47,13 +47,21 @@ impl ArcSweep {
 
     /// False for an arc that is outside the bounds of the geometry.
     #[inline(always)]
-    pub fn may_meet(&self, arc: &Arc) -> bool {
+    fn may_meet(&self, arc: &Arc) -> bool {
         let (min, max) = self.bounds;
         let (low, high) = (arc.p0.min(arc.p1).min(arc.p2), arc.p0.max(arc.p1).max(arc.p2));
         let within = |low: f64, high: f64, min: f64, max: f64| (low <= max) & (high >= min);
         within(low.x, high.x, min.x, max.x)
             & within(low.y, high.y, min.y, max.y)
             & within(low.z, high.z, min.z, max.z)
+    }
+
+    /// Query for the arc of a move that starts on `origin_prim`, if the move `is_searched` at all.
+    #[inline(always)]
+    pub fn query(&self, segment: Arc, origin_prim: PrimitiveId, is_searched: bool) -> Query<Arc> {
+        let whole = if self.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
+        let may = is_searched & self.may_meet(&segment);
+        Query { segment, origin_prim, need: if may { whole } else { Need::Nothing } }
     }
 
     /// Searches an arc, in halves if it is thick or long beside the geometry.
@@ -80,7 +88,7 @@ impl ArcSweep {
 
     /// True if an arc is to be searched in halves, after it has been halved so often.
     #[inline(always)]
-    pub fn is_split(&self, arc: &Arc, halvings: u32) -> bool {
+    fn is_split(&self, arc: &Arc, halvings: u32) -> bool {
         let length2 = arc.p0.distance_squared(arc.p2);
         ((halvings < MOST_FOR_SAGITTA) & (arc.sagitta() > self.longest_sagitta))
             | ((halvings < MOST_FOR_LENGTH) & (length2 > self.longest_chord * self.longest_chord))

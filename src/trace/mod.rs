@@ -32,6 +32,7 @@ mod run;
 mod samples;
 mod session;
 mod shoot;
+mod sort_hits;
 mod spinning;
 mod split;
 pub(crate) mod stages;

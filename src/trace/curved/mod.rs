@@ -16,9 +16,10 @@ use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::launch_point::LaunchPoint;
+use super::sort_hits::sort_hits;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
-use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
+use crate::geometry::{Found, Geometry, PrimitiveId, Query};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
@@ -84,11 +85,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for CurvedQueries<'_, M, 
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Query<Arc> {
-        let (segment, sweep) = (self.0.arc(flight, step), &self.0.worlds.of(flight.origin_prim).sweep);
-        let whole = if sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = self.0.is_searched(flight, step) & sweep.may_meet(&segment);
-        let need = if may { whole } else { Need::Nothing };
-        Query { segment, origin_prim: flight.origin_prim, need }
+        let (segment, is_searched) = (self.0.arc(flight, step), self.0.is_searched(flight, step));
+        self.0.worlds.of(flight.origin_prim).sweep.query(segment, flight.origin_prim, is_searched)
     }
 }
 
@@ -195,14 +193,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let Scratch { on_rays, on_arcs, crossings, .. } = scratch;
         let lanes = found.len();
-        on_rays.hits.clear();
-        on_arcs.hits.clear();
-        for (lane, found) in found.iter().enumerate() {
-            let Some(found) = *found else { continue };
-            let stays = !exactly[lane] || moves.get(lane).is_close;
-            let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
-            hits.push((lane, found));
-        }
+        sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let arc = |lane| self.arc(&flights.get(lane), &moves.get(lane));
         land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
         land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {

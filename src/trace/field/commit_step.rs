@@ -1,4 +1,4 @@
-//! FieldCommits a step that met nothing: from its end to the start of the next.
+//! Committing a step that met nothing: from its end to the start of the next.
 
 use super::flight::{FieldFlight, FieldMove};
 use super::rays::FieldTransport;

@@ -13,9 +13,10 @@ use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::launch_point::LaunchPoint;
+use super::sort_hits::sort_hits;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
-use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
+use crate::geometry::{Found, Geometry, PrimitiveId, Query};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, map, update};
@@ -68,12 +69,8 @@ impl Kernel for FieldQueries<'_> {
 
     #[inline(always)]
     fn run(&self, flight: &FieldFlight, step: &FieldMove) -> Query<Arc> {
-        let Self(field) = self;
         let segment = FieldTransport::arc(flight, step);
-        let whole = if field.sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = field.is_searched(flight, step) & field.sweep.may_meet(&segment);
-        let need = if may { whole } else { Need::Nothing };
-        Query { segment, origin_prim: flight.origin_prim, need }
+        self.0.sweep.query(segment, flight.origin_prim, self.0.is_searched(flight, step))
     }
 }
 
@@ -171,14 +168,7 @@ impl Transport for FieldTransport {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let FieldScratch { on_rays, on_arcs, .. } = scratch;
         let lanes = found.len();
-        on_rays.hits.clear();
-        on_arcs.hits.clear();
-        for (lane, found) in found.iter().enumerate() {
-            let Some(found) = *found else { continue };
-            let stays = !exactly[lane] || moves.get(lane).is_close;
-            let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
-            hits.push((lane, found));
-        }
+        sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let arc = |lane| Self::arc(&flights.get(lane), &moves.get(lane));
         land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
         land_all_on_rays(self, geometry, (flights, moves), on_rays, |lane, landing| {

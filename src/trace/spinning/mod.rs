@@ -18,9 +18,10 @@ use super::flight_status::FlightStatus;
 use super::land_on_arc::{ArcLandings, land_all_on_arcs, land_on_arc};
 use super::land_on_ray::{RayLandings, land_all_on_rays, land_on_ray};
 use super::launch_point::LaunchPoint;
+use super::sort_hits::sort_hits;
 use super::transport::{Moved, Outcome, Start, Transport};
 use crate::geodesic::Arc;
-use crate::geometry::{Found, Geometry, Need, PrimitiveId, Query};
+use crate::geometry::{Found, Geometry, PrimitiveId, Query};
 use crate::light::{LightSampler, Regions};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
@@ -40,11 +41,8 @@ impl Kernel for SpinningQueries<'_> {
 
     #[inline(always)]
     fn run(&self, flight: &SpinningFlight, step: &SpinningMove) -> Query<Arc> {
-        let segment = self.0.arc(flight, step);
-        let whole = if self.0.sweep.is_split(&segment, 0) { Need::Pieces } else { Need::Whole };
-        let may = self.0.is_searched(flight, step) & self.0.sweep.may_meet(&segment);
-        let need = if may { whole } else { Need::Nothing };
-        Query { segment, origin_prim: flight.origin_prim, need }
+        let (segment, is_searched) = (self.0.arc(flight, step), self.0.is_searched(flight, step));
+        self.0.sweep.query(segment, flight.origin_prim, is_searched)
     }
 }
 
@@ -148,14 +146,7 @@ impl Transport for Spinning {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let SpinningScratch { on_rays, on_arcs, .. } = scratch;
         let lanes = found.len();
-        on_rays.hits.clear();
-        on_arcs.hits.clear();
-        for (lane, found) in found.iter().enumerate() {
-            let Some(found) = *found else { continue };
-            let stays = !exactly[lane] || moves.get(lane).is_close;
-            let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
-            hits.push((lane, found));
-        }
+        sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let mut land = |lane, landing| end(lane, self.landed(landing), ());
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
         land_all_on_rays(self, geometry, (flights, moves), on_rays, &mut land);

@@ -90,7 +90,7 @@ pub enum LightRayProgress<Flight> {
     Escaped(AtInfinity),
 }
 
-/// LightRayProgress of a light ray after a move, and its payload there.
+/// Progress of a light ray after a move, and its payload there.
 #[inline]
 pub fn settle<T: Transport>(
     job: &Job,
@@ -128,7 +128,7 @@ pub fn passes_its_light<T: Transport>(
     })
 }
 
-/// LightRayProgress of a light ray, from the outcome of its move.
+/// Progress of a light ray, from the outcome of its move.
 #[inline]
 pub fn conclude<Flight>(
     illumination: &Illumination,
