@@ -8,6 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::choice::{with_medium, with_render_transport};
+use super::cpu_clock;
 use super::halt::Halt;
 use super::job::Job;
 use super::learn::learn_lights;
@@ -59,10 +60,10 @@ pub struct Session<'a> {
     threads: Threads,
     tracer: Box<dyn Tracer + 'a>,
     state: State,
-    /// Time spent in learning.
+    /// CPU time spent in learning.
     learning: Duration,
-    /// Time spent in learning and passes.
-    spent: Duration,
+    /// Wall time and CPU time spent in learning and passes.
+    spent: [Duration; 2],
 }
 
 impl<'a> Session<'a> {
@@ -97,12 +98,12 @@ impl<'a> Session<'a> {
         state: State,
         choose: impl FnOnce(Opening<'a>) -> Box<dyn Tracer + 'a> + Send,
     ) -> Self {
-        let started = Instant::now();
+        let watch = Watch::start();
         let halt = Halt::new(cancel, run.time_limit);
         let threads = Threads::new(run.threads);
         let tracer = threads.run(|| choose(Opening { scene, run, halt }));
-        let learning = started.elapsed();
-        Self { scene, run, threads, tracer, state, learning, spent: learning }
+        let spent = watch.elapsed();
+        Self { scene, run, threads, tracer, state, learning: spent[1], spent }
     }
 
     /// Takes the next few samples of every pixel, at most up to `end` in all; `each` is called after each finished
@@ -110,7 +111,7 @@ impl<'a> Session<'a> {
     /// `end` samples, or the session was cancelled or its time is over. Pixels that miss a pass keep the samples of the
     /// passes before.
     pub fn pass(&mut self, end: u32, each: impl Fn(u64) + Sync) -> bool {
-        let (started, first) = (Instant::now(), self.state.spp());
+        let (watch, first) = (Watch::start(), self.state.spp());
         let end = pass_of(first.min(MAX_SPP - 1)).end.min(end);
         let (tracer, scene, wanted) = (self.tracer.as_ref(), self.scene, self.state.wanted());
         let tiles = self.state.tiles_mut();
@@ -126,7 +127,8 @@ impl<'a> Session<'a> {
         if self.state.unsampled() == 0 {
             tracer.halt().has_picture();
         }
-        self.spent += started.elapsed();
+        let [wall, cpu] = watch.elapsed();
+        self.spent = [self.spent[0] + wall, self.spent[1] + cpu];
         self.state.spp() > first
     }
 
@@ -159,6 +161,22 @@ impl<'a> Session<'a> {
         let (counters, mut times, threads) = self.tracer.totals();
         times.learning = self.learning.as_secs_f64();
         Stats::new(counters, times, self.spent, threads)
+    }
+}
+
+/// Wall clock and CPU clock of the process, read at the same moments.
+struct Watch {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Self { wall: Instant::now(), cpu: cpu_clock::of_process() }
+    }
+
+    fn elapsed(&self) -> [Duration; 2] {
+        [self.wall.elapsed(), cpu_clock::of_process().saturating_sub(self.cpu)]
     }
 }
 
