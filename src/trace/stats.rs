@@ -63,7 +63,7 @@ pub struct Occupancy {
 /// Items and time of each stage, and occupancy of the vectors; all but `learning` in the wavefront schedule only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageTimes {
-    /// Learning of light sampling before the first camera ray, CPU time of all threads, seconds.
+    /// Learning of light sampling before passes, CPU time of all threads, seconds.
     pub learning: f64,
     /// Camera rays.
     pub generate: StageCost,
