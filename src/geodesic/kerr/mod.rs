@@ -41,7 +41,7 @@ pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
 pub use launch::KerrLaunch;
-pub use orbit_table::{OrbitTable, TablePlace};
+pub use orbit_table::{OrbitTable, PlaneRay, TablePlace};
 pub use photon::KerrPhoton;
 pub use place::PlacedHole;
 pub use plane::{OrbitPlane, PlaneOrbit, PlaneOrbitEnd};

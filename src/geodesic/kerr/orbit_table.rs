@@ -40,9 +40,13 @@ pub struct TablePlace {
     rho: f64,
 }
 
-/// A ray of a plane.
+/// A ray in the plane of its start and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneRay {
+    /// Unit tangent of N's great circle at the start.
+    pub tangent: DVec3,
+    /// Angle along it to the end, radians.
+    pub angle: f64,
     /// Angle from falling radially at which it starts, radians: the parameter of [`OrbitPlane::orbit`].
     ///
     /// [`OrbitPlane::orbit`]: crate::geodesic::kerr::OrbitPlane::orbit
@@ -56,9 +60,9 @@ pub struct PlaneRay {
 type Entry = [f32; 8];
 
 /// Radii.
-const RADII: usize = 32;
+const RADII: usize = 26;
 /// Angles from 0 to a whole turn.
-const ANGLES: usize = 57;
+const ANGLES: usize = 45;
 /// Least radius relative to that of the largest ergosphere.
 const LEAST: f64 = 1.1;
 /// Largest radius, units of the mass: beyond, the closed forms are as good.
@@ -98,29 +102,11 @@ impl OrbitTable {
         (node >= 0.0).then_some(TablePlace { place, chart_turn: -hole.a * integral, node, rho })
     }
 
-    /// The ray from a place to another, with this winding number about the centre, if it winds about the axis by `turn`:
-    /// unit tangent of N's great circle at the start, and the angle along it.
-    pub fn ray_to(
-        &self,
-        from: &TablePlace,
-        to: &TablePlace,
-        winding: u32,
-        turn: f64,
-    ) -> (DVec3, f64, PlaneRay) {
-        let (tangent, angle) = from.place.towards(turned(to.place.n, -turn), winding);
-        (tangent, angle, self.ray(from, to, angle, from.place.n.cross(tangent).z))
-    }
-
-    /// Unit direction, in the frame at rest, in which a ray leaves along a half-plane.
-    pub fn direction(&self, from: &TablePlace, tangent: DVec3, alpha: f64) -> Option<DVec3> {
-        let plane = from.place.plane(&self.hole, tangent)?;
-        let direction = from.place.direction(&self.hole, &plane, alpha);
-        direction.is_finite().then_some(direction)
-    }
-
-    /// The ray from a place to the radius of another through `angle`, radians, in a half-plane of this tilt, (N ×
-    /// tangent)_z.
-    fn ray(&self, from: &TablePlace, to: &TablePlace, angle: f64, tilt: f64) -> PlaneRay {
+    /// The ray from a place to another with this winding number about the centre, if it winds about the axis by `turn`,
+    /// radians.
+    pub fn ray_to(&self, from: &TablePlace, to: &TablePlace, winding: u32, turn: f64) -> PlaneRay {
+        let n = turned(to.place.n, -turn);
+        let (tangent, angle) = from.place.towards(n, winding);
         let cell = |node: f64, count: usize| {
             let index = (node as usize).min(count - 2);
             (index, (node - index as f64).min(1.0) as f32)
@@ -140,11 +126,19 @@ impl OrbitTable {
             }
         }
         let [a0, a1, a2, a3, t0, t1, t2, t3] = sum.map(f64::from);
+        let tilt = from.place.n.cross(tangent).z;
         let mu2 = from.place.n.z * from.place.n.z;
         let sum = |c: [f64; 4]| c[0] + tilt * (c[1] + tilt * c[2]) + mu2 * c[3];
-        let alpha = bent(from.rho, to.rho, angle) + sum([a0, a1, a2, a3]);
+        let alpha = bent(from.rho, to.rho, (tangent.dot(n), from.place.n.dot(n))) + sum([a0, a1, a2, a3]);
         let turn = to.chart_turn - from.chart_turn + sum([t0, t1, t2, t3]);
-        PlaneRay { alpha, turn }
+        PlaneRay { tangent, angle, alpha, turn }
+    }
+
+    /// Unit direction, in the frame at rest, in which a ray leaves along a half-plane.
+    pub fn direction(&self, from: &TablePlace, tangent: DVec3, alpha: f64) -> Option<DVec3> {
+        let plane = from.place.plane(&self.hole, tangent)?;
+        let direction = from.place.direction(&self.hole, &plane, alpha);
+        direction.is_finite().then_some(direction)
     }
 
     fn at_node(&self, node: usize) -> Option<TablePlace> {
@@ -159,10 +153,9 @@ impl OrbitTable {
     }
 }
 
-/// The angle from falling radially at which a ray leaves the isotropic radius `from` that sweeps `angle` on its way to
-/// `to`, if it is bent weakly.
-fn bent(from: f64, to: f64, angle: f64) -> f64 {
-    let (sin, cos) = libm::sincos(angle);
+/// The angle from falling radially at which a ray leaves the isotropic radius `from` that sweeps an angle on its way to
+/// `to`, if it is bent weakly; sine and cosine of the angle are given.
+fn bent(from: f64, to: f64, (sin, cos): (f64, f64)) -> f64 {
     let sin = if sin == 0.0 { f64::MIN_POSITIVE } else { sin };
     let straight = libm::atan2(sin, from / to - cos);
     let square = straight * (1.0 - cos) / sin * 2.0 / from;
@@ -197,7 +190,7 @@ fn rests(hole: &UnitHole, [from, to]: [&TablePlace; 2], n: DVec3, tangent: DVec3
     let mut by_alpha = f64::NAN;
     for k in 1..ANGLES {
         let angle = TAU * k as f64 / (ANGLES - 1) as f64;
-        let closed = bent(from.rho, to.rho, angle);
+        let closed = bent(from.rho, to.rho, libm::sincos(angle));
         // Rests before, extrapolated.
         let guess =
             (k > 2).then(|| PlaneGuess { alpha: closed + 2.0 * rests[k - 1][0] - rests[k - 2][0], by_alpha });

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geodesic::kerr::{OrbitTable, TablePlace, turned};
+use crate::geodesic::kerr::{OrbitTable, PlaneRay, TablePlace, turned};
 
 /// Ray along which a place is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +35,12 @@ impl Sight {
         let mut turn = to.chart_turn - from.chart_turn;
         // Of the secant: the guess before and how far off it was.
         let mut before: Option<(f64, f64)> = None;
+        let mut ray = table.ray_to(from, to, winding, turn);
         for _ in 1..MAX_RAYS {
-            let (_, _, ray) = table.ray_to(from, to, winding, turn);
             let miss = ray.turn - turn;
+            if miss.abs() < tolerance {
+                break;
+            }
             let step = match before {
                 Some((guess, missed)) if (miss - missed).abs() > 0.3 * (turn - guess).abs() => {
                     -miss * (turn - guess) / (miss - missed)
@@ -46,12 +49,10 @@ impl Sight {
             };
             before = Some((turn, miss));
             turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
-            if miss.abs() < tolerance {
-                break;
-            }
+            ray = table.ray_to(from, to, winding, turn);
         }
-        let (tangent, angle, ray) = table.ray_to(from, to, winding, turn);
-        let direction = table.direction(from, tangent, ray.alpha)?;
+        let PlaneRay { tangent, angle, alpha, .. } = ray;
+        let direction = table.direction(from, tangent, alpha)?;
         let across = turned(from.place.n.cross(tangent), turn);
         Some(Self { direction, across, angle, turn, winding })
     }
@@ -59,8 +60,8 @@ impl Sight {
     /// Direction in which another place beside that one is seen, by rays that wind about the axis as much but for the chart.
     pub fn beside(&self, table: &OrbitTable, [from, to, other]: [&TablePlace; 3]) -> Option<DVec3> {
         let turn = self.turn + other.chart_turn - to.chart_turn;
-        let (tangent, _, ray) = table.ray_to(from, other, self.winding, turn);
-        table.direction(from, tangent, ray.alpha)
+        let PlaneRay { tangent, alpha, .. } = table.ray_to(from, other, self.winding, turn);
+        table.direction(from, tangent, alpha)
     }
 }
 

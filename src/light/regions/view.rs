@@ -33,6 +33,8 @@ struct Light {
     is_round: bool,
     /// Length of the longest half-axis.
     size: f64,
+    /// Distance of the middle from the receiver.
+    distance: f64,
 }
 
 /// Margin of a region for the error of the aim: radians, and what the square of the spin adds, near the hole and by
@@ -50,8 +52,14 @@ const SWING: f64 = 2.7;
 const AROUND: f64 = 8.0;
 /// Least weight of rays that go around, relative to the near ones.
 const LEAST_AROUND: f64 = 0.02;
-/// Size of a light relative to the sine of the angle between both up to which what is seen of it is linear.
+/// Size of a light up to which what is seen of it is linear: relative to its distance, and behind the hole to that from
+/// the axis through the hole.
 const LINEAR: f64 = 0.2;
+/// Half-axes that are shorter than this, relative to the longest, do not matter.
+const THIN: f64 = 0.1;
+/// Light that comes around is left to chance where it is less, relative to that of the near way, than this times the solid
+/// angle of the latter over π: what is found easily has little noise.
+const WORTHWHILE: f64 = 1.0;
 
 impl<'a> RegionView<'a> {
     /// The view that a receiver has of an emitter; `None` if that is too close or too large. Directions are along the
@@ -65,7 +73,8 @@ impl<'a> RegionView<'a> {
     ) -> Option<Self> {
         let Extent { middle, half_axes, is_round } = emitter.extent();
         let size = half_axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max);
-        if receiver.on == emitter.primitive || receiver.position.distance(middle) < NEAREST * size {
+        let distance = receiver.position.distance(middle);
+        if receiver.on == emitter.primitive || distance < NEAREST * size {
             return None;
         }
         let hole = place.hole;
@@ -78,6 +87,7 @@ impl<'a> RegionView<'a> {
             half_axes: half_axes.map(|axis| place.inwards(axis) / place.mass),
             is_round,
             size: size / place.mass,
+            distance: distance / place.mass,
         };
         // A lamp that the hole touches may be seen anywhere.
         if light.middle.place.r - light.size <= 1.0 / hole.horizon {
@@ -95,10 +105,11 @@ impl<'a> RegionView<'a> {
             if sin_around < 1.0 { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
         // Large regions may be seen although their middles are not.
         let weight = |middle: DVec3, spread: f64| (middle.dot(normal) + spread).max(0.02 + 0.1 * spread);
-        let around = if goes_around {
+        let ratio = light.around(&from.place);
+        let around = if goes_around && ratio > WORTHWHILE * near.area() / PI {
             let spread = (near.area() / PI).sqrt().min(1.0);
             let near = weight(near.middle(), spread);
-            let around = light.around(&from.place) * weight(-from.place.n, sin_around.min(1.0));
+            let around = ratio.clamp(LEAST_AROUND, 1.0) * weight(-from.place.n, sin_around.min(1.0));
             around / (near + around)
         } else {
             0.0
@@ -143,38 +154,30 @@ impl<'a> RegionView<'a> {
 impl Light {
     /// The region of rays with a winding number.
     fn region(&self, table: &OrbitTable, from: &TablePlace, pole: DVec3, winding: u32) -> Option<Region> {
-        let Self { position, middle, size, .. } = self;
+        let Self { position, middle, size, distance, .. } = self;
         let radius = middle.place.r;
         let tolerance = TURN_TOLERANCE.max(TURN_SHARE * size / radius);
         let sight = Sight::of(table, [from, middle], winding, tolerance)?;
         let direction = sight.direction;
         let a = table.hole().a;
         let margin = MARGIN + SPIN_MARGIN[winding as usize] * a * a;
-        let half_axes = self.half_axes(&sight);
         let see = |position: DVec3| {
             let place = table.place(KerrPlace::new(table.hole(), position))?;
             sight.beside(table, [from, middle, &place])
         };
-        if *size < LINEAR * radius * libm::sin(sight.angle).abs() {
-            let mut shifts = [DVec3::ZERO; 3];
-            for (shift, axis) in shifts.iter_mut().zip(half_axes) {
-                if axis != DVec3::ZERO {
-                    *shift = see(*position + axis)? - direction;
-                }
-            }
-            if let Some(region) = Region::small(direction, &shifts, margin) {
-                return Some(region);
-            }
-        }
+        let (sin, cos) = libm::sincos(sight.angle);
+        let is_arc = cos < 0.0 && *size > LINEAR * radius * sin.abs();
+        let is_linear = !is_arc && *size < LINEAR * distance;
         let mut points = [direction; 6];
-        for (pair, axis) in points.chunks_exact_mut(2).zip(half_axes) {
-            if axis != DVec3::ZERO {
-                for (point, beside) in pair.iter_mut().zip([*position + axis, *position - axis]) {
-                    *point = see(beside)?;
-                }
+        for (pair, axis) in points.chunks_exact_mut(2).zip(self.half_axes(&sight)) {
+            if axis.length() < THIN * size {
+                continue;
             }
+            pair[0] = see(*position + axis)?;
+            pair[1] =
+                if is_linear { (2.0 * direction - pair[0]).normalize() } else { see(*position - axis)? };
         }
-        Region::about(direction, &points, pole, margin)
+        Region::about(direction, &points, is_arc.then_some(pole), margin)
     }
 
     /// Half-axes; of a sphere along the radius, and along and across the plane of the orbit, where its extremes are seen.
@@ -196,7 +199,6 @@ impl Light {
         // The angle between light and hole in units of Einstein's.
         let square = off_axis * off_axis * x * y / (4.0 * (x + y));
         let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
-        let ratio = (magnification - 1.0) / (magnification + 1.0);
-        if ratio > LEAST_AROUND { ratio } else { LEAST_AROUND }.min(1.0)
+        (magnification - 1.0) / (magnification + 1.0)
     }
 }
