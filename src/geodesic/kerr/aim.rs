@@ -24,16 +24,14 @@ pub struct KerrPlace {
 pub struct PlaneShot {
     /// Unit direction at its start, in the frame at rest.
     pub direction: DVec3,
-    /// Unit tangent of N's great circle at the start, and the angle along it to the end, radians.
-    tangent: DVec3,
-    angle: f64,
+    /// Angle that it sweeps about the centre, radians.
+    pub angle: f64,
     /// Angle from falling radially, radians.
-    pub(super) alpha: f64,
+    alpha: f64,
     /// Derivative of the inverse radius at the end by α; NaN if unknown.
-    pub(super) by_alpha: f64,
-    /// Derivative of the inverse radius at the end by the angle.
+    by_alpha: f64,
     /// Winding about the axis at the end, radians.
-    pub(super) turn: f64,
+    pub turn: f64,
 }
 
 /// A ray to a place, with the winding about the axis on the way.
@@ -42,7 +40,7 @@ pub struct Aimed {
     /// The ray, to where the place is without the winding.
     pub shot: PlaneShot,
     /// The winding, radians.
-    pub(super) turn: f64,
+    turn: f64,
     winding: u32,
 }
 
@@ -108,7 +106,7 @@ impl KerrPlace {
         let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
         let PlaneSolution { alpha, by_alpha, turn } = found;
         let direction = self.direction(hole, &plane, alpha);
-        direction.is_finite().then_some(PlaneShot { direction, tangent, angle, alpha, by_alpha, turn })
+        direction.is_finite().then_some(PlaneShot { direction, angle, alpha, by_alpha, turn })
     }
 
     /// The ray from here to `target` with this winding number.

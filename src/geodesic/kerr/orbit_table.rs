@@ -11,9 +11,9 @@
 //! - Of the winding about the axis, what belongs to the chart: a ∫ du/D.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::aim::{KerrPlace, PlaneGuess, solve, turned};
 use super::hole::UnitHole;
@@ -23,8 +23,8 @@ pub struct OrbitTable {
     hole: UnitHole,
     /// Least radius, units of the mass, less [`SHIFT`].
     least: f64,
-    /// By the radius of the start, that of the end, and the angle.
-    entries: Vec<Entry>,
+    /// Entries by the angle, by the radius of the start and that of the end; solved when they are first asked for.
+    columns: Vec<OnceLock<Box<Column>>>,
 }
 
 /// A place as the table knows it.
@@ -59,10 +59,13 @@ pub struct PlaneRay {
 /// square of the start's N_z.
 type Entry = [f32; 8];
 
+/// Entries of two radii, by the angle.
+type Column = [Entry; ANGLES];
+
 /// Radii.
-const RADII: usize = 26;
+const RADII: usize = 32;
 /// Angles from 0 to a whole turn.
-const ANGLES: usize = 45;
+const ANGLES: usize = 57;
 /// Least radius relative to that of the largest ergosphere.
 const LEAST: f64 = 1.1;
 /// Largest radius, units of the mass: beyond, the closed forms are as good.
@@ -74,13 +77,7 @@ impl OrbitTable {
     /// The table of `hole`.
     pub fn new(hole: &UnitHole) -> Self {
         let least = LEAST * (1.0 + (1.0 - hole.e2).max(0.0).sqrt()) - SHIFT;
-        let empty = Self { hole: *hole, least, entries: Vec::new() };
-        let places: Vec<TablePlace> = (0..RADII).filter_map(|node| empty.at_node(node)).collect();
-        let entries = places
-            .par_iter()
-            .flat_map_iter(|from| places.iter().flat_map(|to| column(hole, from, to)))
-            .collect();
-        Self { entries, ..empty }
+        Self { hole: *hole, least, columns: (0..RADII * RADII).map(|_| OnceLock::new()).collect() }
     }
 
     /// The hole.
@@ -90,6 +87,11 @@ impl OrbitTable {
 
     /// A place; `None` if it is too close to the hole.
     pub fn place(&self, place: KerrPlace) -> Option<TablePlace> {
+        (place.r >= SHIFT + self.least).then(|| self.beyond(place))
+    }
+
+    /// A place that is not too close.
+    fn beyond(&self, place: KerrPlace) -> TablePlace {
         let Self { hole, least, .. } = self;
         let r = place.r;
         let node = libm::log((r - SHIFT) / least) / self.spacing();
@@ -99,7 +101,7 @@ impl OrbitTable {
         let s = (1.0 - square).max(0.0).sqrt();
         let part = 1.0 / (r - 1.0);
         let integral = if s > 1e-6 { libm::atanh(s * part) / s } else { part };
-        (node >= 0.0).then_some(TablePlace { place, chart_turn: -hole.a * integral, node, rho })
+        TablePlace { place, chart_turn: -hole.a * integral, node, rho }
     }
 
     /// The ray from a place to another with this winding number about the centre, if it winds about the axis by `turn`,
@@ -117,8 +119,8 @@ impl OrbitTable {
         let mut sum = [0.0f32; 8];
         for (i, x) in [(i, 1.0 - x), (i + 1, x)] {
             for (j, y) in [(j, 1.0 - y), (j + 1, y)] {
-                let start = (i * RADII + j) * ANGLES + k;
-                let [first, second] = [&self.entries[start], &self.entries[start + 1]];
+                let column = self.column(i, j);
+                let [first, second] = [&column[k], &column[k + 1]];
                 let (a, b) = (x * y * (1.0 - z), x * y * z);
                 for c in 0..8 {
                     sum[c] += a * first[c] + b * second[c];
@@ -141,11 +143,12 @@ impl OrbitTable {
         direction.is_finite().then_some(direction)
     }
 
-    fn at_node(&self, node: usize) -> Option<TablePlace> {
-        let r = SHIFT + self.least * libm::exp(self.spacing() * node as f64);
-        // Of the least radius, whatever rounding makes of it.
-        let place = self.place(KerrPlace { r: r * (1.0 + 1e-12), n: DVec3::X })?;
-        Some(TablePlace { node: node as f64, ..place })
+    fn column(&self, from: usize, to: usize) -> &Column {
+        let place = |node: usize| {
+            let r = SHIFT + self.least * libm::exp(self.spacing() * node as f64);
+            self.beyond(KerrPlace { r, n: DVec3::X })
+        };
+        self.columns[from * RADII + to].get_or_init(|| Box::new(column(&self.hole, &place(from), &place(to))))
     }
 
     fn spacing(&self) -> f64 {
@@ -163,7 +166,7 @@ fn bent(from: f64, to: f64, (sin, cos): (f64, f64)) -> f64 {
 }
 
 /// Entries of two radii.
-fn column(hole: &UnitHole, from: &TablePlace, to: &TablePlace) -> [Entry; ANGLES] {
+fn column(hole: &UnitHole, from: &TablePlace, to: &TablePlace) -> Column {
     // Start and tangent: along the equator both ways, from it to a pole, and from a pole.
     let planes = [(DVec3::X, DVec3::Y), (DVec3::X, DVec3::NEG_Y), (DVec3::X, DVec3::Z), (DVec3::Z, DVec3::X)];
     let [with, against, over, pole] = planes.map(|(n, tangent)| rests(hole, [from, to], n, tangent));

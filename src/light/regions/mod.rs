@@ -1,7 +1,7 @@
 //! Regions: light sampling around a spinning hole, where no formula joins two places.
 //!
-//! For each winding number, an aim that is exact to first order in the spin tells about where a light is seen: a region
-//! of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
+//! For each winding number, an aim that is exact to first order in the spin, from a table of orbits, tells about where a
+//! light is seen: a region of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
 //! alone, so that a ray found by BSDF sampling has the density with which it could have been drawn; what they miss, and
 //! lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts, from wherever it comes.
 //!
