@@ -282,7 +282,7 @@ fn land<T: Retrace>(
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
         if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
-            return Landing { position, direction, primitive };
+            return Landing::conformal(position, direction, primitive);
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
         let reach = 2.0 * moved * direction;
@@ -291,12 +291,12 @@ fn land<T: Retrace>(
         if course.is_some_and(|course| moved < 0.1 * position.distance(course.chord().start)) {
             let tangent = Line { p0: position - reach, p2: position + reach };
             if let Some(hit) = geometry.intersect(&tangent, primitive.none_beside()) {
-                return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+                return Landing::conformal(tangent.point(hit.s), direction, hit.primitive);
             }
         }
     }
     let (flight, step) = ray();
     let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
     let direction = transport.pose(&span, &part).tangent;
-    Landing { position: point, direction: direction.normalize(), primitive }
+    Landing::conformal(point, direction.normalize(), primitive)
 }
