@@ -367,7 +367,8 @@ mod tests {
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
             assert_eq!(ends, [(shot.end, side)]);
-            let Outcome::Landed(Landing { position, direction, primitive: origin_prim, .. }) = shot.end else {
+            let Outcome::Landed(Landing { position, direction, primitive: origin_prim, .. }) = shot.end
+            else {
                 panic!("{:?}", shot.end)
             };
             Start { position, direction: -direction, origin_prim, carried: side }

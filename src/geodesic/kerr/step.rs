@@ -35,8 +35,8 @@ const LARGEST_STRAIN: f64 = 0.02;
 const SHORT: f64 = 0.1;
 /// Largest slip of a step.
 const LARGEST_SLIP: f64 = 0.05;
-/// Largest part of the way to the horizon that a step takes, at the rate at its start.
-const LONGEST_FALL: f64 = 1.0;
+/// Least of the way to the horizon that steps are measured by, as a part of its inverse radius.
+const SHORTEST_FALL: f64 = 0.1;
 /// Angle that a step sweeps at most, radians.
 const WIDEST: f64 = 1.6;
 /// Inverse radius that is beyond the horizon, relative to it.
@@ -47,7 +47,7 @@ const BEYOND: f64 = 1.02;
 const fn calibration(powers: usize) -> f64 {
     match powers {
         ..=8 => 0.8,
-        9..=10 => 0.6,
+        9..=12 => 0.6,
         _ => 0.25,
     }
 }
@@ -76,7 +76,9 @@ impl SeriesControl {
         let shortest = last.min(last_but_one).min(root(strain, P - 2));
         let accurate = fast_log2::wide_exp2(shortest);
         let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
-        let fall = LONGEST_FALL * hole.horizon / (start.v.abs() + f64::MIN_POSITIVE);
+        let (left, least) = (hole.horizon - start.u, SHORTEST_FALL * hole.horizon);
+        let fall = series.fall_by(if left > least { left } else { least });
+        let fall = if start.v > 0.0 { fall } else { f64::INFINITY };
         accurate.min(wide).min(fall)
     }
 }
