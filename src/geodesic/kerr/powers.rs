@@ -10,15 +10,12 @@ pub trait UsePowers {
 }
 
 /// Does `work` with the length of series that is fastest for rays of this tolerance, radians. Too long a series is wrong
-/// for a loose tolerance: its steps leave the circle of convergence. For middling ones long series take fewer steps, but
-/// without a spin the last two of their coefficients are both small for a few rays whose others are not.
+/// for a loose tolerance: its steps leave the circle of convergence.
 pub fn with_powers<W: UsePowers>(tolerance: f64, work: W) -> W::Output {
     if tolerance >= 1e-4 {
         work.with::<8>()
-    } else if tolerance >= 5e-6 {
-        work.with::<12>()
     } else if tolerance >= 1e-7 {
-        work.with::<10>()
+        work.with::<12>()
     } else {
         work.with::<14>()
     }

@@ -39,6 +39,9 @@ const LARGEST_SLIP: f64 = 0.05;
 const SHORTEST_FALL: f64 = 0.1;
 /// Angle that a step sweeps at most, radians.
 const WIDEST: f64 = 1.6;
+/// Largest error that a step's fourth last coefficient may tell, relative to what the last two may: those are sometimes
+/// both small by chance, and from a turning point on every other one vanishes.
+const COINCIDENCE: f64 = 60.0;
 /// Inverse radius that is beyond the horizon, relative to it.
 const BEYOND: f64 = 1.02;
 
@@ -58,7 +61,7 @@ impl SeriesControl {
         Self { tolerance: calibration(powers) * tolerance.max(100.0 * f64::EPSILON) }
     }
 
-    /// Length of a step from the start of `series`: by its last two coefficients, and short beside the hole.
+    /// Length of a step from the start of `series`: by its last coefficients, and short beside the hole.
     #[inline(always)]
     pub fn length<const P: usize>(&self, hole: &UnitHole, series: &Series<P>) -> f64 {
         let Series { start, omega, u, n: [x, y, z], winding } = series;
@@ -71,9 +74,10 @@ impl SeriesControl {
         let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
         let last = root(log2(self.tolerance) - log2(size(P - 1)), P - 1);
         let last_but_one = root(log2(self.tolerance) - log2(before), P - 2);
+        let guard = root(log2(COINCIDENCE * self.tolerance) - log2(size(P - 4)), P - 4);
         // Radial rays have ω = 0, but must not leave the chart.
         let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * u[P - 1].abs());
-        let shortest = last.min(last_but_one).min(root(strain, P - 2));
+        let shortest = last.min(last_but_one).min(guard).min(root(strain, P - 2));
         let accurate = fast_log2::wide_exp2(shortest);
         let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
         let (left, least) = (hole.horizon - start.u, SHORTEST_FALL * hole.horizon);
