@@ -63,7 +63,7 @@ pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
-pub use rest_frame::RestFrame;
+pub use rest_frame::{RestFrame, Stretch};
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
 pub use side::{AtInfinity, Side};
