@@ -19,7 +19,10 @@
 //! References: separation: Carter 1968, Phys. Rev. 174, 1559; λ: Mino 2003, Phys. Rev. D 67, 084027; Kerr–Schild:
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
+mod aim;
+mod connection;
 mod constants;
+mod flow;
 mod follow;
 mod hamiltonian;
 mod hole;
@@ -33,6 +36,8 @@ mod state;
 mod step;
 mod time;
 
+pub use aim::{Aimed, KerrPlace};
+pub use connection::{KerrConnection, KerrConnector};
 pub use constants::Constants;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};

@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::aim::{Aimed, KerrPlace};
 use super::shape::Region;
-use crate::geodesic::kerr::{PlacedHole, UnitHole};
+use crate::geodesic::kerr::{Aimed, KerrPlace, PlacedHole, UnitHole};
 use crate::light::emitter::{Emitter, Extent};
 use crate::light::receiver::Receiver;
 
@@ -93,7 +92,8 @@ impl RegionView {
         let around = if goes_around {
             let spread = (near.area() / PI).sqrt().min(1.0);
             let near = weight(near.middle(), spread);
-            let around = light.around(&from) * weight(-from.n, sin_around.min(1.0));
+            let around =
+                from.ratio_around(&light.middle).max(LEAST_AROUND) * weight(-from.n, sin_around.min(1.0));
             around / (near + around)
         } else {
             0.0
@@ -170,16 +170,5 @@ impl Light {
         let across = (across - across.dot(radial) * radial).try_normalize();
         let across = across.unwrap_or_else(|| radial.any_orthonormal_vector());
         [radial, across, radial.cross(across)].map(|axis| self.size * axis)
-    }
-
-    /// About how much light comes around, relative to what comes the near way: as if deflection were weak.
-    fn around(&self, from: &KerrPlace) -> f64 {
-        let (x, y) = (from.r, self.middle.r);
-        let off_axis = libm::acos((-from.n.dot(self.middle.n)).clamp(-1.0, 1.0));
-        // The angle between light and hole in units of Einstein's.
-        let square = off_axis * off_axis * x * y / (4.0 * (x + y));
-        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
-        let ratio = (magnification - 1.0) / (magnification + 1.0);
-        if ratio > LEAST_AROUND { ratio } else { LEAST_AROUND }.min(1.0)
     }
 }

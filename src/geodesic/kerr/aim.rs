@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use crate::geodesic::kerr::{KerrLaunch, OrbitPlane, UnitHole};
+use super::hole::UnitHole;
+use super::launch::KerrLaunch;
+use super::plane::OrbitPlane;
 use crate::math::frame::tangents;
 
 /// A place around the hole: units of its mass, spin along z.
@@ -24,7 +26,7 @@ pub struct PlaneShot {
     pub direction: DVec3,
     /// Unit tangent of N's great circle at the start, and the angle along it to the end, radians.
     tangent: DVec3,
-    angle: f64,
+    pub(super) angle: f64,
     /// Angle from falling radially, radians.
     alpha: f64,
     /// Derivative of the inverse radius at the end by α; NaN if unknown.
@@ -32,7 +34,7 @@ pub struct PlaneShot {
     /// Derivative of the inverse radius at the end by the angle.
     slope: f64,
     /// Winding about the axis at the end, radians.
-    turn: f64,
+    pub(super) turn: f64,
 }
 
 /// A ray to a place, with the winding about the axis on the way.
@@ -61,7 +63,7 @@ const CRITICAL: f64 = 5.5;
 const DIFFERENCE: f64 = 1e-3;
 
 /// `n` turned about z.
-fn turned(n: DVec3, angle: f64) -> DVec3 {
+pub(super) fn turned(n: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z)
 }
@@ -71,6 +73,16 @@ impl KerrPlace {
     pub fn new(hole: &UnitHole, position: DVec3) -> Self {
         let (r, n) = hole.spheroidal(position);
         Self { r, n }
+    }
+
+    /// About how much light comes around from a small light at `other`, relative to what comes the near way: as if
+    /// deflection were weak.
+    pub fn ratio_around(&self, other: &KerrPlace) -> f64 {
+        let off_axis = libm::acos((-self.n.dot(other.n)).clamp(-1.0, 1.0));
+        // The angle between light and hole in units of Einstein's.
+        let square = off_axis * off_axis / (4.0 * (1.0 / self.r + 1.0 / other.r));
+        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
+        1.0 - 2.0 / (magnification + 1.0)
     }
 
     /// The half-plane of orbits that start along `tangent`.
@@ -99,8 +111,20 @@ impl KerrPlace {
         let tangent = across.try_normalize().unwrap_or_else(|| tangents(self.n).0);
         let near = libm::atan2(across.length(), cos);
         let (tangent, angle) = if winding == 0 { (tangent, near) } else { (-tangent, TAU - near) };
+        self.shoot_along(hole, target.r, (tangent, angle), guess)
+    }
+
+    /// The ray from here that leaves along the unit `tangent` across N and is at the radius `to` after an angle, as if
+    /// nothing wound about the axis.
+    pub(super) fn shoot_along(
+        &self,
+        hole: &UnitHole,
+        to: f64,
+        (tangent, angle): (DVec3, f64),
+        guess: Option<&PlaneShot>,
+    ) -> Option<PlaneShot> {
         let plane = self.plane(hole, tangent)?;
-        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
+        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / to), angle, guess)?;
         let Solution { alpha, by_alpha, slope, turn } = found;
         let direction = self.direction(hole, &plane, alpha);
         direction.is_finite().then_some(PlaneShot { direction, tangent, angle, alpha, by_alpha, slope, turn })
@@ -177,6 +201,11 @@ impl Aimed {
         alpha: f64,
     ) -> Option<DVec3> {
         Some(from.direction(hole, &from.plane(hole, tangent)?, alpha))
+    }
+
+    /// True if the ray goes around the hole.
+    pub fn goes_around(&self) -> bool {
+        self.winding > 0
     }
 
     /// Sine of the angle that the orbit sweeps, without its sign: the plane is as uncertain as this is small.
