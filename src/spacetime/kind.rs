@@ -292,6 +292,16 @@ impl Entry {
         }
         (self.make)(placement.into(), values)
     }
+
+    /// One of them, about the origin: parameters do not change the family, but for a length of 0.
+    pub fn example(&self) -> SpacetimeKind {
+        let values = self.parameters.iter().map(|parameter| match parameter.range {
+            Range::Length => 1.0,
+            Range::Ratio { least, most, .. } => 0.5 * (least + most),
+        });
+        let values: Vec<f64> = values.collect();
+        self.with(DVec3::ZERO, &values)
+    }
 }
 
 impl SpacetimeKind {

@@ -67,12 +67,8 @@ impl Illumination {
         let sampler: Box<dyn LightSampler> =
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
-        let (environment, punctual) = if sampler.samples_all() {
-            (&scene.environment, &scene.punctual[..])
-        } else {
-            (&Environment::Black, &[][..])
-        };
-        let lights = Lights::new(&scene.geometry, &scene.materials, environment, punctual, floor)
+        let environment = if sampler.samples_sky() { &scene.environment } else { &Environment::Black };
+        let lights = Lights::new(&scene.geometry, &scene.materials, environment, &scene.punctual, floor)
             .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
             Some((mouths, metric)) => lights.through(Transmission {
@@ -91,11 +87,7 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: if self.sampler.samples_all() {
-                scene.punctual.len() + scene.far.punctual.len()
-            } else {
-                0
-            },
+            punctual: scene.punctual.len() + scene.far.punctual.len(),
             sky: self.lights.has_sky(),
             is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }

@@ -70,6 +70,16 @@ impl KerrPlace {
         Self { r, n }
     }
 
+    /// About how much light comes around from a small light at `other`, relative to what comes the near way: as if
+    /// deflection were weak.
+    pub fn ratio_around(&self, other: &KerrPlace) -> f64 {
+        let off_axis = libm::acos((-self.n.dot(other.n)).clamp(-1.0, 1.0));
+        // The angle between light and hole in units of Einstein's.
+        let square = off_axis * off_axis / (4.0 * (1.0 / self.r + 1.0 / other.r));
+        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
+        1.0 - 2.0 / (magnification + 1.0)
+    }
+
     /// The half-plane of orbits that start along `tangent`.
     pub(super) fn plane(&self, hole: &UnitHole, tangent: DVec3) -> Option<OrbitPlane> {
         OrbitPlane::new(hole, (1.0 / self.r, self.n), tangent)
@@ -100,10 +110,21 @@ impl KerrPlace {
         winding: u32,
         guess: Option<&PlaneShot>,
     ) -> Option<PlaneShot> {
-        let (tangent, angle) = self.towards(target.n, winding);
+        self.shoot_along(hole, target.r, self.towards(target.n, winding), guess)
+    }
+
+    /// The ray from here that leaves along the unit `tangent` across N and is at the radius `to` after an angle, as if
+    /// nothing wound about the axis.
+    pub(super) fn shoot_along(
+        &self,
+        hole: &UnitHole,
+        to: f64,
+        (tangent, angle): (DVec3, f64),
+        guess: Option<&PlaneShot>,
+    ) -> Option<PlaneShot> {
         let plane = self.plane(hole, tangent)?;
         let guess = guess.map(|shot| PlaneGuess { alpha: shot.alpha, by_alpha: shot.by_alpha });
-        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
+        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / to), angle, guess)?;
         let PlaneSolution { alpha, by_alpha, turn } = found;
         let direction = self.direction(hole, &plane, alpha);
         direction.is_finite().then_some(PlaneShot { direction, angle, alpha, by_alpha, turn })
@@ -141,6 +162,16 @@ impl Aimed {
         let place = KerrPlace::new(hole, position);
         let place = KerrPlace { n: turned(place.n, -self.turn), ..place };
         Some(from.shoot(hole, &place, self.winding, Some(&self.shot))?.direction)
+    }
+
+    /// True if the ray goes around the hole.
+    pub fn goes_around(&self) -> bool {
+        self.winding > 0
+    }
+
+    /// Sine of the angle that the orbit sweeps, without its sign: the plane is as uncertain as this is small.
+    pub fn steadiness(&self) -> f64 {
+        libm::sin(self.shot.angle).abs()
     }
 }
 

@@ -20,7 +20,9 @@
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
 mod aim;
+mod connection;
 mod constants;
+mod flow;
 mod follow;
 mod hamiltonian;
 mod hole;
@@ -36,6 +38,7 @@ mod step;
 mod time;
 
 pub use aim::{Aimed, KerrPlace, turned};
+pub use connection::{KerrConnection, KerrConnector};
 pub use constants::Constants;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};

@@ -5,20 +5,23 @@
 //! alone, so that a ray found by BSDF sampling has the density with which it could have been drawn; what they miss, and
 //! lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts, from wherever it comes.
 //!
-//! Only surfaces are sampled.
+//! Point, spot and distant lights are found by true connections; the sky is left to BSDF sampling.
 
+mod connected;
 mod shape;
 mod sight;
 mod view;
 
 use glam::DVec3;
 
+use super::aim::Link;
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
-use super::sampler::LightSampler;
-use crate::geodesic::kerr::{OrbitTable, PlacedHole};
+use super::sampler::{LightSampler, distant_sample, point_sample};
+use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole};
 use crate::spacetime::{AtInfinity, RestFrame};
+use connected::{light_at_infinity, light_place};
 use view::RegionView;
 
 /// Light sampling by regions of directions.
@@ -37,18 +40,37 @@ impl Regions {
         let table = OrbitTable::new(&place.hole);
         Self { place, frame, table, goes_around: max_winding > 0 }
     }
+
+    /// A ray to a punctual light, and its probability.
+    fn link(&self, receiver: &Receiver, to: &KerrPlace, u: f64) -> Option<(Link, f64)> {
+        connected::link(&self.place, receiver.position, to, self.goes_around, u)
+    }
 }
 
 impl LightSampler for Regions {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
-        let ChosenLight::Surface(emitter, pmf) = lights.choose(receiver, u0)? else { return None };
-        let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around)?;
-        let (direction, density) = view.sample(u)?;
-        Some(LightSample {
-            direction: self.place.outwards(direction),
-            target: Target::Surface(emitter.primitive, emitter.middle()),
-            light: Incoming::Radiance(emitter.radiance, pmf * density),
-        })
+        match lights.choose(receiver, u0)? {
+            ChosenLight::Surface(emitter, pmf) => {
+                let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around)?;
+                let (direction, density) = view.sample(u)?;
+                Some(LightSample {
+                    direction: self.place.outwards(direction),
+                    target: Target::Surface(emitter.primitive, emitter.middle()),
+                    light: Incoming::Radiance(emitter.radiance, pmf * density),
+                })
+            }
+            ChosenLight::Point(_, light, index, pmf) => {
+                let to = light_place(&self.place, light.position()?)?;
+                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                Some(point_sample((light, index), &link, pmf * ray_pmf))
+            }
+            ChosenLight::Distant(side, light, inverse_pmf) => {
+                let to = light_at_infinity(&self.place, -light.direction()?);
+                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                Some(distant_sample((side, light, inverse_pmf), &link, ray_pmf))
+            }
+            ChosenLight::Sky(..) => None,
+        }
     }
 
     fn surface_density(
@@ -81,7 +103,7 @@ impl LightSampler for Regions {
         emitter.both_sides || end.direction.dot(normal) < 0.0
     }
 
-    fn samples_all(&self) -> bool {
+    fn samples_sky(&self) -> bool {
         false
     }
 }

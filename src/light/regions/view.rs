@@ -105,7 +105,7 @@ impl<'a> RegionView<'a> {
             if sin_around < 1.0 { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
         // Large regions may be seen although their middles are not.
         let weight = |middle: DVec3, spread: f64| (middle.dot(normal) + spread).max(0.02 + 0.1 * spread);
-        let ratio = light.around(&from.place);
+        let ratio = from.place.ratio_around(&light.middle.place);
         let around = if goes_around && ratio > WORTHWHILE * near.area() / PI {
             let spread = (near.area() / PI).sqrt().min(1.0);
             let near = weight(near.middle(), spread);
@@ -189,16 +189,5 @@ impl Light {
         let across = sight.across - sight.across.dot(radial) * radial;
         let across = across.try_normalize().unwrap_or_else(|| radial.any_orthonormal_vector());
         [radial, across, radial.cross(across)].map(|axis| self.size * axis)
-    }
-
-    /// About how much light comes around, relative to what comes the near way: as if deflection were weak.
-    fn around(&self, from: &KerrPlace) -> f64 {
-        let KerrPlace { r: y, n } = self.middle.place;
-        let x = from.r;
-        let off_axis = libm::acos((-from.n.dot(n)).clamp(-1.0, 1.0));
-        // The angle between light and hole in units of Einstein's.
-        let square = off_axis * off_axis * x * y / (4.0 * (x + y));
-        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
-        (magnification - 1.0) / (magnification + 1.0)
     }
 }
