@@ -17,7 +17,7 @@ impl TableForm {
         }
         // The parameters do not change the family, but for a length of 0.
         let values = entry.parameters.iter().map(|parameter| match parameter.range {
-            Range::Length => 1.0,
+            Range::Length | Range::Extent => 1.0,
             Range::Ratio { least, most, .. } => 0.5 * (least + most),
         });
         let values: Vec<f64> = values.collect();
