@@ -22,6 +22,10 @@ pub struct Control<R> {
     photon_sphere: R,
     /// Critical impact parameter.
     critical: R,
+    /// Inverse radius of a jump in the index's second derivative, which steps end at; infinite without one.
+    seam: R,
+    /// Distance from there that a step's end may have.
+    seam_margin: R,
 }
 
 /// A step, judged.
@@ -62,6 +66,12 @@ const LONGEST_RISE: f64 = 1.0;
 const REACH: f64 = 300.0;
 /// Part of the tolerance by which an arc may miss the curve and still stand for it.
 const NEGLIGIBLE: f64 = 0.1;
+/// Relative change of w over which a jump is looked at.
+const SEAM_WIDTH: f64 = 1e-6;
+/// Distance from a seam, in units of that at which the error would be half of the tolerance.
+const SEAM_SHARE: f64 = 0.01;
+/// Least relative distance from a seam, in roundings.
+const SEAM_ROUNDING: f64 = 8.0;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
@@ -77,6 +87,19 @@ pub(super) fn growth(order: u32, accepted: bool, previous: f64, error: f64) -> f
     let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(error)) >> halvings);
     let most = if accepted { GROWTH.1 } else { HALVED };
     factor.at_most(most).at_least(GROWTH.0)
+}
+
+/// Distance in w from the mouth of a cylindrical throat at which the error of a step that passes it is as good as none.
+///
+/// With the jump j of d ln g/d ln w, the error of its direction is about ½ j (distance/w)².
+fn seam_margin<M: ConformallyFlat>(medium: &M, tolerance: f64, epsilon: f64) -> f64 {
+    if medium.mouth() == 0.0 {
+        return 0.0;
+    }
+    let (w, pull) = (1.0 / medium.mouth(), medium.pull(1.0 / medium.mouth()));
+    let steepness = |change: f64| (medium.pull(w * (1.0 + change)) / pull - 1.0) / change;
+    let jump = (steepness(-SEAM_WIDTH) - steepness(SEAM_WIDTH)).abs();
+    w * (SEAM_SHARE * (tolerance / jump).sqrt()).max(SEAM_ROUNDING * epsilon)
 }
 
 impl<R: Real> Control<R> {
@@ -95,6 +118,8 @@ impl<R: Real> Control<R> {
             horizon: R::of(1.0 / medium.horizon().max(0.5 * medium.throat())),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
             critical: R::of(medium.critical_impact_parameter()),
+            seam: R::of(1.0 / medium.mouth()),
+            seam_margin: R::of(seam_margin(medium, tolerance, R::EPSILON)),
         }
     }
 
@@ -129,6 +154,34 @@ impl<R: Real> Control<R> {
         let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
         let factor = growth(order, accepted, previous.value(), bounded.value());
         StepVerdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
+    }
+
+    /// Judges `step` once more where the index has a seam: no method is of its order across that, so that one of the step's
+    /// ends has to be there. Newton's method finds it from rejected steps.
+    #[inline(always)]
+    pub fn at_seam<M: ConformallyFlat>(
+        &self,
+        medium: &M,
+        step: &Step<R>,
+        verdict: StepVerdict<R>,
+    ) -> StepVerdict<R> {
+        if medium.mouth() == 0.0 {
+            return verdict;
+        }
+        let (from, to) = (step.start.w - self.seam, step.end.w - self.seam);
+        let zero = R::of(0.0);
+        let passes = ((from < zero) != (to < zero)) & (from.abs().at_most(to.abs()) > self.seam_margin);
+        // A little beyond it, at the root in (0, 1) of a parabola through both ends with the slope at the start.
+        let beyond = R::of(0.5) * if from < zero { self.seam_margin } else { -self.seam_margin };
+        let (slope, way) = (step.start.v * step.h, from - beyond);
+        let root = (slope * slope - R::of(4.0) * (to - from - slope) * way).at_least(zero).sqrt();
+        let part = R::of(-2.0) * way / if slope < zero { slope - root } else { slope + root };
+        let cut = step.h * part.at_most(R::of(1.0));
+        StepVerdict {
+            accepted: verdict.accepted & !passes,
+            next_h: if passes { cut.at_most(verdict.next_h) } else { verdict.next_h },
+            ..verdict
+        }
     }
 
     /// True if an arc is so near the curve that what meets the one meets the other to the accuracy asked for.

@@ -70,7 +70,7 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         journey.steps += 1;
         // Where a step ends is free: its length carries no derivative.
         let step = Step::new(medium, stepper, b, phase, R::of(h.value()));
-        let verdict = control.judge::<S>(&step, zero, previous);
+        let verdict = control.at_seam(medium, &step, control.judge::<S>(&step, zero, previous));
         if !verdict.accepted {
             // A step that has vanished, or a state that is no longer finite.
             if verdict.next_h.value() < f64::from(f32::MIN_POSITIVE) || !phase.w.value().is_finite() {

@@ -58,6 +58,7 @@ impl Named for ReissnerNordstrom {
                 why: "a hole of more charge than mass has no horizon, and its singularity is bare",
             },
             in_tables: None,
+            per_column: 1.0,
         },
     ];
 

@@ -103,13 +103,13 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
-        let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
+        let Held { medium, control, outer } = &self.held;
+        let step = Step::new(medium, &self.stepper, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // Steps that no search follows need not be followed closely.
-        let arc_error =
-            if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
-        let StepVerdict { accepted, next_h, error } =
-            self.held.control.judge::<S>(&step, arc_error, flight.error);
+        let arc_error = if keeps_outside(*outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
+        let verdict = control.judge::<S>(&step, arc_error, flight.error);
+        let StepVerdict { accepted, next_h, error } = control.at_seam(medium, &step, verdict);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
             w: step.end.w,
@@ -122,7 +122,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
             weight: arc.weight,
             next_h,
             error,
-            is_close: self.held.control.is_close(&arc),
+            is_close: control.is_close(&arc),
             accepted: accepted & (step.end.w > R::of(0.0)),
         }
     }
