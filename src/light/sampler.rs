@@ -42,8 +42,11 @@ pub trait LightSampler: Send + Sync {
     /// True if a light ray that lands there has reached its target.
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
 
-    /// True if punctual lights and the sky are sampled, not surfaces alone.
-    fn samples_all(&self) -> bool;
+    /// True if punctual lights are sampled.
+    fn samples_points(&self) -> bool;
+
+    /// True if the sky is sampled.
+    fn samples_sky(&self) -> bool;
 }
 
 impl<A: Aim> LightSampler for A {
@@ -103,7 +106,11 @@ impl<A: Aim> LightSampler for A {
         end.primitive == wanted && self.is_reached(wanted.side(), at, end.position)
     }
 
-    fn samples_all(&self) -> bool {
+    fn samples_points(&self) -> bool {
+        true
+    }
+
+    fn samples_sky(&self) -> bool {
         true
     }
 }

@@ -67,11 +67,8 @@ impl Illumination {
         let sampler: Box<dyn LightSampler> =
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
-        let (environment, punctual) = if sampler.samples_all() {
-            (&scene.environment, &scene.punctual[..])
-        } else {
-            (&Environment::Black, &[][..])
-        };
+        let environment = if sampler.samples_sky() { &scene.environment } else { &Environment::Black };
+        let punctual = if sampler.samples_points() { &scene.punctual[..] } else { &[] };
         let lights = Lights::new(&scene.geometry, &scene.materials, environment, punctual, floor)
             .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
@@ -91,7 +88,7 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: if self.sampler.samples_all() {
+            punctual: if self.sampler.samples_points() {
                 scene.punctual.len() + scene.far.punctual.len()
             } else {
                 0

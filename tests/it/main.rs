@@ -7,6 +7,7 @@ mod geodesics {
     mod connections;
     mod conservation;
     mod extremes;
+    mod field_connections;
     mod fields;
     mod geodesic_reference;
     mod gradient_index;

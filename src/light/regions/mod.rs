@@ -8,7 +8,7 @@
 //! Only surfaces are sampled.
 
 mod aim;
-mod shape;
+pub(super) mod shape;
 mod view;
 
 use glam::DVec3;
@@ -79,7 +79,11 @@ impl LightSampler for Regions {
         emitter.both_sides || end.direction.dot(normal) < 0.0
     }
 
-    fn samples_all(&self) -> bool {
+    fn samples_points(&self) -> bool {
+        false
+    }
+
+    fn samples_sky(&self) -> bool {
         false
     }
 }
