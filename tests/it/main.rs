@@ -32,6 +32,7 @@ mod geometry {
 mod light {
     mod chi_square;
     mod emitter_furnaces;
+    mod field_lights;
     mod furnace;
     mod irradiance;
     mod lamp_edges;

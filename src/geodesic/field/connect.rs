@@ -40,20 +40,18 @@ pub struct FieldConnection {
 }
 
 /// Angle between a ray and those beside it, radians.
-const BESIDE: f64 = 1e-5;
+const BESIDE: f64 = 1e-7;
 /// Rays that stand for one and its derivatives.
 const RAYS: usize = 4;
 /// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
-const AFAR: f64 = 1e-4;
+const AFAR: f64 = 1e-5;
 /// Corrections of a direction at most, and halvings of a correction that makes it worse.
-const MOST_CORRECTIONS: u32 = 12;
-const MOST_HALVINGS: u32 = 5;
+const MOST_CORRECTIONS: u32 = 10;
+const MOST_HALVINGS: u32 = 3;
 /// Largest correction, radians.
 const LARGEST: f64 = 0.5;
 /// Steps of a shot at most.
-const MOST_STEPS: u32 = 200;
-/// Distance at which a ray that passes its target is followed no further, relative to that from its start.
-const PASSES: f64 = 0.25;
+const MOST_STEPS: u32 = 1000;
 /// Improvements of the point at which a ray is nearest to its target, and how near that is enough, relative to the distance
 /// from the start.
 const MOST_IMPROVEMENTS: u32 = 6;
@@ -82,7 +80,8 @@ pub fn join_in_field(
     target: FieldTarget,
     enough: f64,
 ) -> Option<FieldConnection> {
-    let mut here = shoot(field, control, (x, guess), target)?;
+    // A ray that winds passes its target several times: of the guess, the nearest passage counts, then the same one.
+    let mut here = shoot(field, control, (x, guess), target, None)?;
     for _ in 0..MOST_CORRECTIONS {
         if here.connection.miss <= enough {
             return Some(here.connection);
@@ -92,7 +91,7 @@ pub fn join_in_field(
         here = (0..=MOST_HALVINGS).find_map(|_| {
             let direction = (here.connection.direction + part * correction).normalize();
             part *= 0.5;
-            let there = shoot(field, control, (x, direction), target)?;
+            let there = shoot(field, control, (x, direction), target, Some(here.passage))?;
             (there.connection.miss < here.connection.miss).then_some(there)
         })?;
     }
@@ -102,6 +101,8 @@ pub fn join_in_field(
 /// A ray that is shot at a target.
 struct FieldShot {
     connection: FieldConnection,
+    /// Number of passages of the target before.
+    passage: u32,
     /// Change of its direction that would let it hit, to first order.
     correction: DVec3,
 }
@@ -112,6 +113,7 @@ fn shoot(
     control: &FieldControl,
     (x, direction): (DVec3, DVec3),
     target: FieldTarget,
+    passage: Option<u32>,
 ) -> Option<FieldShot> {
     let (u, v) = tangents(direction);
     let mut starts = [[0.0; RAYS]; 3];
@@ -120,7 +122,8 @@ fn shoot(
         set_lane(&mut starts, l, x);
         set_lane(&mut directions, l, direction + BESIDE * beside);
     }
-    let end = widest(Flying { field, control, starts: &starts, directions: &directions, target })?;
+    let flying = Flying { field, control, starts: &starts, directions: &directions, target, passage };
+    let (end, passage) = widest(flying)?;
     let momentum = |l: usize| lane(&end.p, l);
     let arrival = mean(momentum).normalize();
     let off = |l: usize| match target {
@@ -135,19 +138,19 @@ fn shoot(
         let turn = inverse * shift;
         turn.x * u + turn.y * v
     };
-    let residual = along(mean(off));
-    let connection = FieldConnection {
-        direction,
-        arrival,
-        across: [a, b],
-        turns: [turn(DVec2::X), turn(DVec2::Y)],
-        miss: match target {
-            FieldTarget::Place(_) => residual.length(),
-            FieldTarget::Infinity(_) => mean(off).length(),
-        },
+    // Along the ray, a place is not met to the last digit.
+    let (miss, residual) = match target {
+        FieldTarget::Place(_) => (along(mean(off)).length(), along(mean(off))),
+        FieldTarget::Infinity(to) => (arrival.distance(to), along(arrival - to)),
     };
+    let connection =
+        FieldConnection { direction, arrival, across: [a, b], turns: [turn(DVec2::X), turn(DVec2::Y)], miss };
     let correction = turn(-residual);
-    (connection.miss.is_finite() && correction.is_finite()).then_some(FieldShot { connection, correction })
+    (connection.miss.is_finite() && correction.is_finite()).then_some(FieldShot {
+        connection,
+        passage,
+        correction,
+    })
 }
 
 /// Mean over the rays.
@@ -163,14 +166,16 @@ struct Flying<'a, F> {
     starts: &'a [[f64; RAYS]; 3],
     directions: &'a [[f64; RAYS]; 3],
     target: FieldTarget,
+    /// Passage of the target that counts; `None`: the nearest.
+    passage: Option<u32>,
 }
 
 impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
-    type Output = Option<FieldRays<RAYS>>;
+    type Output = Option<(FieldRays<RAYS>, u32)>;
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { field, control, starts, directions, target } = self;
+        let Self { field, control, starts, directions, target, passage } = self;
         let step =
             |rays: &FieldRays<RAYS>, h: f64| FieldStep::new::<{ 3 * RAYS }>(field, &Rkn6, rays, &[h; RAYS]);
         let middle = |rays: &FieldRays<RAYS>| (mean(|l| lane(&rays.x, l)), mean(|l| lane(&rays.p, l)));
@@ -185,7 +190,8 @@ impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
             FieldTarget::Place(y) => y.distance(middle(&rays).0),
             FieldTarget::Infinity(_) => f64::INFINITY,
         };
-        let mut nearest: Option<(f64, FieldRays<RAYS>)> = None;
+        let mut nearest: Option<(f64, (FieldRays<RAYS>, u32))> = None;
+        let mut passages = 0;
         for _ in 0..MOST_STEPS {
             let (x, p) = middle(&rays);
             let falls = |sink: &Sink| {
@@ -200,7 +206,9 @@ impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
                     FieldTarget::Place(y) if (y - x).dot(p) <= 0.0 => break,
                     FieldTarget::Place(_) => {}
                     FieldTarget::Infinity(_) => {
-                        return to_infinity::<F, Rkn6, RAYS, { 3 * RAYS }>(field, &Rkn6, control, rays, AFAR);
+                        let there =
+                            to_infinity::<F, Rkn6, RAYS, { 3 * RAYS }>(field, &Rkn6, control, rays, AFAR);
+                        return there.map(|there| (there, 0));
                     }
                 }
             }
@@ -219,14 +227,17 @@ impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
                 && left(&rays, y) > 0.0
                 && left(&moved.end, y) <= 0.0
             {
-                let passing = beside(&rays, (&moved, h), step, |rays| left(rays, y), NEAREST * whole);
-                let distance = middle(&passing).0.distance(y);
-                if nearest.is_none_or(|(least, _)| distance < least) {
-                    nearest = Some((distance, passing));
+                if passage.is_none_or(|passage| passage == passages) {
+                    let passing = beside(&rays, (&moved, h), step, |rays| left(rays, y), NEAREST * whole);
+                    let distance = middle(&passing).0.distance(y);
+                    if nearest.is_none_or(|(least, _)| distance < least) {
+                        nearest = Some((distance, (passing, passages)));
+                    }
+                    if passage.is_some() {
+                        break;
+                    }
                 }
-                if distance < PASSES * whole {
-                    break;
-                }
+                passages += 1;
             }
             (rays, previous) = (moved.end, error);
             h = control.within(next_h, &rays, 0);
