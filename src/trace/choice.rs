@@ -77,7 +77,8 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
 
     fn indexed<F: IndexField>(self, field: &F) -> E::Output {
         let Self { scene, core, sky, visitor } = self;
-        visitor.run(FieldTransport::new(scene, field, core, sky))
+        let lights: Vec<DVec3> = positions(scene).collect();
+        visitor.run(FieldTransport::new(scene, field, core, &lights, sky))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> E::Output {
