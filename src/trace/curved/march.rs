@@ -4,18 +4,24 @@
 use super::super::steppers::{UseStepper, with_stepper};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use crate::geodesic::{Control, OrbitEnd, Phase, Step, StepVerdict, Stepper, fit_arc, follow, until};
+use crate::geodesic::kerr::{UsePowers, with_powers};
+use crate::geodesic::{
+    ArealSeries, Control, OrbitEnd, OrbitStepper, Phase, StepVerdict, Stepper, fit_arc, follow, until,
+};
 use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
-use crate::spacetime::{ConformallyFlat, Fate};
+use crate::spacetime::{ConformallyFlat, Fate, ReissnerNordstrom};
 use crate::trace::land_on_ray::{PartialStep, Pose};
 
 /// A stepper at work in a spacetime.
 pub trait March<R: Lane>: Send + Sync {
     /// Order of the stepper's estimate.
     fn order(&self) -> u32;
+
+    /// Step-size control.
+    fn control(&self) -> Control<R>;
 
     /// The next move of a ray.
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R>;
@@ -48,11 +54,31 @@ pub trait March<R: Lane>: Send + Sync {
 /// The march by `stepper`; `None` for the paper's scheme, which is a transport of its own.
 pub fn march<M: ConformallyFlat, R: Lane>(
     medium: M,
-    stepper: StepperKind,
+    (stepper, tolerance): (StepperKind, f64),
     control: Control<R>,
     outer: R,
 ) -> Option<Box<dyn March<R>>> {
-    with_stepper(stepper, Held { medium, control, outer })
+    match medium.as_hole() {
+        Some(medium) if stepper == StepperKind::Series => {
+            Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, outer }, tolerance }))
+        }
+        _ => with_stepper(stepper, Held { medium, control, outer }),
+    }
+}
+
+/// A march by series.
+struct HoleSeries<R> {
+    held: Held<ReissnerNordstrom, R>,
+    tolerance: f64,
+}
+
+impl<R: Lane> UsePowers for HoleSeries<R> {
+    type Output = Box<dyn March<R>>;
+
+    fn with<const P: usize>(self) -> Box<dyn March<R>> {
+        let stepper = ArealSeries::<P>::new(&self.held.medium, self.tolerance);
+        Box::new(Stepping::new(self.held, stepper))
+    }
 }
 
 /// The march by a stepper.
@@ -79,7 +105,7 @@ impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
     type Output = Box<dyn March<R>>;
 
     fn with(self, stepper: impl Stepper + 'static) -> Box<dyn March<R>> {
-        Box::new(Stepping { held: self, stepper })
+        Box::new(Stepping::new(self, stepper))
     }
 }
 
@@ -96,24 +122,31 @@ struct Stepping<M, S, R> {
     stepper: S,
 }
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
+impl<M, S: OrbitStepper, R: Lane> Stepping<M, S, R> {
+    fn new(held: Held<M, R>, stepper: S) -> Self {
+        Self { held: Held { control: stepper.control(&held.control), ..held }, stepper }
+    }
+}
+
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Stepping<M, S, R> {
     type A = CurvedFlight<R>;
     type B = ();
     type Out = CurvedMove<R>;
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
-        let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
+        let step = self.stepper.step(&self.held.medium, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // Steps that no search follows need not be followed closely.
         let arc_error =
             if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
         let StepVerdict { accepted, next_h, error } =
-            self.held.control.judge::<S>(&step, arc_error, flight.error);
+            self.stepper.judge(&self.held.control, &step, arc_error, flight.error);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
             w: step.end.w,
             v: step.end.v,
+            h: step.h,
             pull: step.end.pull,
             end_x,
             end_y,
@@ -131,7 +164,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
 /// Parts of steps.
 struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     type A = Span<R>;
     type B = PartialStep;
     type Out = Pose;
@@ -142,9 +175,13 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     }
 }
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> March<R> for Stepping<M, S, R> {
     fn order(&self) -> u32 {
-        S::ESTIMATE.order
+        S::ORDER
+    }
+
+    fn control(&self) -> Control<R> {
+        self.held.control
     }
 
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
@@ -174,7 +211,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
 
     fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>) {
         let Self { held: Held { medium, .. }, stepper } = self;
-        let step = Step::new(medium, stepper, flight.b, flight.phase(), flight.h);
+        let step = stepper.step(medium, flight.b, flight.phase(), flight.h);
         let part = until(medium, stepper, &step, w);
         (part.h, part.end)
     }
