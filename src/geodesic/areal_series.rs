@@ -44,14 +44,16 @@ const LONGEST_FALL: f64 = 0.98;
 const LONGEST_RISE: f64 = 0.5;
 /// Rounding of û′² + b²û²D, in that of one operation.
 const ROUNDING: f64 = 16.0;
+/// Rounding of a root of û, in that of its start.
+const ROOTED: f64 = 64.0;
 
 /// Calibration: tolerances of steps over those of rays, such that the error of a whole ray keeps within its tolerance,
 /// for series of `powers` coefficients.
 const fn calibration(powers: usize) -> f64 {
     match powers {
-        ..=8 => 0.8,
+        ..=8 => 0.5,
         9..=10 => 0.6,
-        _ => 0.25,
+        _ => 0.4,
     }
 }
 
@@ -219,11 +221,16 @@ impl<R: Real, const P: usize> Expansion<R, P> {
     fn length(&self, series: &ArealSeries<P>, h: R) -> f64 {
         let log2 = fast_log2::wide_log2;
         let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
-        let (before, last) = (self.rest[P - 2].value().abs(), self.rest[P - 1].value().abs());
+        let size = |i: usize| self.rest[i].value().abs();
+        let last = size(P - 1);
         let (b_per_mass, scale) = (self.b_per_mass.value(), self.scale_per_mass.value());
         let tolerance = log2(series.tolerance);
         let accurate = root(tolerance - log2(b_per_mass * last), P - 1);
-        let accurate = accurate.min(root(tolerance - log2(b_per_mass * before), P - 2));
+        let accurate = accurate.min(root(tolerance - log2(b_per_mass * size(P - 2)), P - 2));
+        // From a turning point every other coefficient is 0, and the last that is not may happen to be small, too: of one
+        // before, the part of the tolerance that it has where coefficients fall evenly.
+        let part = (tolerance as f32 * ((P - 4) as f32 / (P - 2) as f32)) as i32;
+        let accurate = accurate.min(root(part - log2(b_per_mass * size(P - 4)), P - 4));
         // Rays that are nearly radial must not leave the chart.
         let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * scale * last);
         let accurate = fast_log2::wide_exp2(accurate.min(root(strain, P - 2)));
@@ -236,6 +243,37 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let way = scale * way / speed;
         let widest = self.scale.value() * (h * rough_angle_per_tangent(self.b * h)).value();
         accurate.at_most(way).at_most(widest)
+    }
+
+    /// û and its derivative after `x`.
+    #[inline(always)]
+    fn at(&self, sweep: &Sweep<R>) -> (R, R) {
+        let &Sweep { x, sin, cos, reach, .. } = sweep;
+        let (mut value, mut slope) = (R::of(0.0), R::of(0.0));
+        for i in (2..P).rev() {
+            value = value * x + self.rest[i];
+            slope = slope * x + R::of(i as f64) * self.rest[i];
+        }
+        let rate = self.rate * cos - self.u * (self.omega * sin) + x * slope;
+        (self.u * cos + self.rate * reach + x * x * value, rate)
+    }
+
+    /// Length in x to infinity, of a ray that moves outwards; anything where that is beyond the step.
+    #[inline(always)]
+    fn infinity(&self) -> R {
+        // Where a straight line would be there; then Newton's method.
+        let straight = self.u / -self.rate;
+        let mut x = straight * rough_angle_per_tangent(straight * self.omega);
+        let mut correct = || {
+            let (u, rate) = self.at(&self.along(x));
+            x = x - u / rate;
+        };
+        // Written out: only straight-line code runs lane beside lane.
+        correct();
+        correct();
+        correct();
+        correct();
+        x
     }
 
     /// The sweep of a step of length `x`.
@@ -280,6 +318,11 @@ impl<R: Real, const P: usize> Expansion<R, P> {
             value = value * x + self.rest[i];
             slope = slope * x + R::of(i as f64) * self.rest[i];
         }
+        // The last term, an estimate of the error; a part of the one before, as every other may be 0.
+        let mut last = (self.rest[P - 1].abs() * x + R::of(0.25) * self.rest[P - 2].abs()) * self.b_per_mass;
+        for _ in 2..P {
+            last = last * x;
+        }
         let e2 = R::of(series.e2);
         // û less û₀ cos, and dû/dψ over M.
         let lift = self.rate * reach + x * x * value;
@@ -322,7 +365,7 @@ impl<R: Real, const P: usize> Expansion<R, P> {
             h,
             cos,
             sin,
-            embedded: zero,
+            embedded: last,
             undone: known_shift * (slope_u.abs() + rate * rate) * bu.abs(),
             drift: excess.abs(),
             strain: known_shift + known,
@@ -344,6 +387,18 @@ impl<const P: usize> OrbitStepper for ArealSeries<P> {
         let expansion = self.expand(b, start);
         let x = R::of(expansion.length(self, h));
         expansion.step(self, &expansion.along(x))
+    }
+
+    #[inline(always)]
+    fn outwards<R: Real>(&self, b: R, start: Phase<R>) -> Option<(Step<R>, bool)> {
+        let expansion = self.expand(b, start);
+        let widest = (R::of(3.0) / b).at_most(R::of(1e30));
+        let longest = R::of(expansion.length(self, widest));
+        let root = expansion.infinity();
+        let reaches = (root <= longest) & (root > R::of(0.0));
+        let step = expansion.step(self, &expansion.along(if reaches { root } else { longest }));
+        let is_there = (step.end.w * R::of(self.mass)).abs() <= R::of(ROOTED * R::EPSILON) * expansion.u;
+        Some((step, reaches & is_there))
     }
 
     #[inline(always)]

@@ -153,7 +153,8 @@ impl<R: Real> Control<R> {
     /// Judges a step of a series, which is as long as its accuracy allows, whose arc is off by `arc_error`.
     #[inline(always)]
     pub(super) fn judge_series(&self, step: &Step<R>, arc_error: R) -> StepVerdict<R> {
-        let own = step.undone * step.undone * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
+        let estimate = step.undone + step.embedded;
+        let own = estimate * estimate * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
             + step.strain * R::of(1.0 / LARGEST_STRAIN);
         let error = own + arc_error * self.per_arc_tolerance;
         let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
