@@ -66,8 +66,9 @@ struct Expansion<R, const P: usize> {
     rate: R,
     /// b/M.
     b_per_mass: R,
-    /// dx/dψ, and 1/M times that.
+    /// dx/dψ, its inverse, and 1/M times it.
     scale: R,
+    per_scale: R,
     scale_per_mass: R,
     /// Swept angle per x.
     omega: R,
@@ -92,16 +93,16 @@ struct Sweep<R> {
     h: R,
 }
 
-/// Sine and cosine of an angle of at most 0.85 either way, radians.
+/// Sine of an angle over it, and cosine, of at most 0.85 either way, radians.
 #[inline(always)]
-fn small_sin_cos<R: Real>(x: R) -> (R, R) {
+fn small_sinc_cos<R: Real>(x: R) -> (R, R) {
     let x2 = x * x;
     let term = |sum: R, per: f64| R::of(1.0) - x2 * R::of(1.0 / per) * sum;
     let one = R::of(1.0);
     let sin = term(term(term(term(term(term(term(one, 210.0), 156.0), 110.0), 72.0), 42.0), 20.0), 6.0);
     let cos =
         term(term(term(term(term(term(term(term(one, 240.0), 182.0), 132.0), 90.0), 56.0), 30.0), 12.0), 2.0);
-    (x * sin, cos)
+    (sin, cos)
 }
 
 /// The angle of tangent `t`, over that: to 0.4 % for t up to 3 (Shafer's approximation).
@@ -182,6 +183,7 @@ impl<const P: usize> ArealSeries<P> {
             rate: series.u[1],
             b_per_mass,
             scale: b + mass,
+            per_scale,
             scale_per_mass: one + b_per_mass,
             omega,
             a,
@@ -222,25 +224,23 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let log2 = fast_log2::wide_log2;
         let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
         let size = |i: usize| self.rest[i].value().abs();
-        let last = size(P - 1);
         let (b_per_mass, scale) = (self.b_per_mass.value(), self.scale_per_mass.value());
+        let weight = b_per_mass + series.tolerance * ((P - 1) as f64 / LARGEST_STRAIN);
         let tolerance = log2(series.tolerance);
-        let accurate = root(tolerance - log2(b_per_mass * last), P - 1);
-        let accurate = accurate.min(root(tolerance - log2(b_per_mass * size(P - 2)), P - 2));
+        // Rays that are nearly radial must not leave the chart: theirs is an error of the rate.
+        let accurate = root(tolerance - log2(weight * size(P - 1)), P - 1);
+        let accurate = accurate.min(root(tolerance - log2(weight * size(P - 2)), P - 2));
         // From a turning point every other coefficient is 0, and the last that is not may happen to be small, too: of one
         // before, the part of the tolerance that it has where coefficients fall evenly.
         let part = (tolerance as f32 * ((P - 4) as f32 / (P - 2) as f32)) as i32;
-        let accurate = accurate.min(root(part - log2(b_per_mass * size(P - 4)), P - 4));
-        // Rays that are nearly radial must not leave the chart.
-        let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * scale * last);
-        let accurate = fast_log2::wide_exp2(accurate.min(root(strain, P - 2)));
+        let accurate = accurate.min(root(part - log2(weight * size(P - 4)), P - 4));
+        let accurate = fast_log2::wide_exp2(accurate);
         // dû/dψ is at most M, which it is at the horizon.
         let (lapse, rate) = (self.lapse.value(), self.rate.value() * scale);
-        let room = lapse * lapse / (series.outer * (1.0 - series.inner * self.u.value()));
         let falls = rate > 0.0;
-        let way = if falls { 2.0 * LONGEST_FALL * room } else { LONGEST_RISE };
-        let speed = if falls { 1.0 + rate } else { f64::MIN_POSITIVE - rate };
-        let way = scale * way / speed;
+        let way = if falls { 2.0 * LONGEST_FALL * lapse * lapse } else { LONGEST_RISE };
+        let fall = series.outer * (1.0 - series.inner * self.u.value()) * (1.0 + rate);
+        let way = scale * way / if falls { fall } else { f64::MIN_POSITIVE - rate };
         let widest = self.scale.value() * (h * rough_angle_per_tangent(self.b * h)).value();
         accurate.at_most(way).at_most(widest)
     }
@@ -280,12 +280,12 @@ impl<R: Real, const P: usize> Expansion<R, P> {
     #[inline(always)]
     fn along(&self, x: R) -> Sweep<R> {
         let angle = self.omega * x;
-        let (s, c) = small_sin_cos(R::of(0.5) * angle);
+        let half = R::of(0.5) * angle;
+        let (sinc, c) = small_sinc_cos(half);
+        let s = half * sinc;
         let versine = R::of(2.0) * s * s;
-        let (sin, cos) = (R::of(2.0) * s * c, R::of(1.0) - versine);
-        let ratio = sin / self.omega;
-        let reach = if angle > R::of(1e-9) { ratio } else { x };
-        Sweep { x, sin, cos, versine, reach, h: reach / (self.scale * cos) }
+        let (reach, cos) = (x * sinc * c, R::of(1.0) - versine);
+        Sweep { x, sin: self.omega * reach, cos, versine, reach, h: reach * self.per_scale / cos }
     }
 
     /// The sweep of a step of length `h` in ξ.
@@ -294,7 +294,9 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let one = R::of(1.0);
         let t = self.b * h;
         let rough = R::of(t.value()) * rough_angle_per_tangent(R::of(t.value()));
-        let (s, c) = small_sin_cos(R::of(0.5) * rough);
+        let half = R::of(0.5) * rough;
+        let (sinc, c) = small_sinc_cos(half);
+        let s = half * sinc;
         let (s, c) = (R::of(2.0) * s * c, one - R::of(2.0) * s * s);
         // Tangent of what is missing: at most 0.005.
         let missing = (t * c - s) / (c + t * s);
@@ -343,8 +345,9 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let (u, rate) = (u - shift * slope_u * u, rate - shift * rate);
         // To isotropic coordinates. Beyond the horizon the root is NaN, which no step is accepted with.
         let lapse = metric(u).sqrt();
-        let sum = one - u + lapse;
-        let inverse = one / (sum * lapse);
+        let (sum, lapses) = (one - u + lapse, self.lapse + lapse);
+        let common = one / (sum * lapse * lapses);
+        let inverse = common * lapses;
         let (a, n, per_lapse) = (two * inverse * lapse, two * inverse, inverse * sum);
         let per_mass = R::of(1.0 / series.mass);
         let w = a * u * per_mass;
@@ -353,7 +356,7 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let pull = two * rising * (per_lapse * per_lapse * per_lapse);
         // a − a₀, without cancellation.
         let gain = lift - self.u * versine;
-        let steeper = one + (two - e2 * (self.u + u)) / (self.lapse + lapse);
+        let steeper = one + (two - e2 * (self.u + u)) * (common * sum * lapse);
         let more = half * self.a * a * gain * steeper;
         let per_n = half * lapse * sum;
         Step {
