@@ -113,8 +113,15 @@ fn no_ray_leaves_the_cornell_box_whose_walls_are_spheres() {
 /// Rays from random places inside the bumpy room around a hole in all directions, at every preset's accuracy.
 fn rays_inside_a_fine_bumpy_room(triangles_per_side: usize, rays: usize) {
     let room = bumpy_room(triangles_per_side, 10.0);
-    let settings =
-        [("rkn6", 1e-3, "f64"), ("rkn6", 1e-5, "f64"), ("dop853", 1e-10, "f64"), ("rkn6", 1e-5, "f32")];
+    let settings = [
+        ("rkn6", 1e-3, "f64"),
+        ("rkn6", 1e-5, "f64"),
+        ("series", 1e-3, "f64"),
+        ("series", 1e-5, "f64"),
+        ("series", 1e-5, "f32"),
+        ("dop853", 1e-10, "f64"),
+        ("rkn6", 1e-5, "f32"),
+    ];
     for (index, (stepper, tolerance, precision)) in settings.into_iter().enumerate() {
         let text = hole(DVec3::ZERO, 1.0)
             + &format!(
