@@ -343,8 +343,10 @@ impl<R: Real, const P: usize> Expansion<R, P> {
         let lift = lift - undone * slope_u * u;
         let shift = excess * scale;
         let (u, rate) = (u - shift * slope_u * u, rate - shift * rate);
-        // To isotropic coordinates. Beyond the horizon the root is NaN, which no step is accepted with.
-        let lapse = metric(u).sqrt();
+        // To isotropic coordinates, which end at the horizon.
+        let squared = metric(u);
+        let strain = if squared > zero { known_shift + known } else { R::of(f64::INFINITY) };
+        let lapse = squared.sqrt();
         let (sum, lapses) = (one - u + lapse, self.lapse + lapse);
         let common = one / (sum * lapse * lapses);
         let inverse = common * lapses;
@@ -371,7 +373,7 @@ impl<R: Real, const P: usize> Expansion<R, P> {
             embedded: last,
             undone: known_shift * (slope_u.abs() + rate * rate) * bu.abs(),
             drift: excess.abs(),
-            strain: known_shift + known,
+            strain,
             leverage: scale + scale,
         }
     }
