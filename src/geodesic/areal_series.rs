@@ -53,7 +53,7 @@ const fn calibration(powers: usize) -> f64 {
     match powers {
         ..=8 => 0.5,
         9..=10 => 0.6,
-        _ => 0.4,
+        _ => 0.25,
     }
 }
 
