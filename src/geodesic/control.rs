@@ -26,6 +26,12 @@ pub struct Control<R> {
     seam: R,
     /// Distance from there that a step's end may have.
     seam_margin: R,
+    /// Longest way of a step towards the horizon, relative to what is left.
+    longest_fall: R,
+    /// Longest way of a step away from the horizon, relative to what lies between.
+    longest_rise: R,
+    /// Least length of a first step before it is limited.
+    first: R,
 }
 
 /// A step, judged.
@@ -62,6 +68,10 @@ const LARGEST_TANGENT: f64 = 3.0;
 const LONGEST_FALL: f64 = 0.5;
 /// Longest way of a step away from the horizon, relative to what lies between.
 const LONGEST_RISE: f64 = 1.0;
+/// Length or factor that limits nothing.
+const FAR: f64 = 1e30;
+/// Relative error of an arc below which the next step is not limited by it.
+const FREE: f64 = 1e-4;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
 /// Part of the tolerance by which an arc may miss the curve and still stand for it.
@@ -120,7 +130,16 @@ impl<R: Real> Control<R> {
             critical: R::of(medium.critical_impact_parameter()),
             seam: R::of(1.0 / medium.mouth()),
             seam_margin: R::of(seam_margin(medium, tolerance, R::EPSILON)),
+            longest_fall: R::of(LONGEST_FALL),
+            longest_rise: R::of(LONGEST_RISE),
+            first: R::of(0.0),
         }
+    }
+
+    /// The control of steps that keep within the chart by themselves and know their length before they are taken.
+    pub(super) fn without_limits(&self) -> Self {
+        let far = R::of(FAR);
+        Self { longest_fall: far, longest_rise: far, first: far, ..*self }
     }
 
     /// True if a step ends on the branch of the orbit on which it starts.
@@ -184,6 +203,25 @@ impl<R: Real> Control<R> {
         }
     }
 
+    /// Judges a step of a series, which is as long as its accuracy allows, whose arc is off by `arc_error`.
+    #[inline(always)]
+    pub(super) fn judge_series(&self, step: &Step<R>, arc_error: R) -> StepVerdict<R> {
+        let estimate = step.undone + step.embedded;
+        let own = estimate * estimate * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
+            + step.strain * R::of(1.0 / LARGEST_STRAIN);
+        let error = own + arc_error * self.per_arc_tolerance;
+        let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
+        let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
+        // Arcs are of order 5.
+        let root = (fast_log2::log2(bounded.value() as f32) as f32 * -0.2) as i32;
+        let factor = (SAFETY * fast_log2::exp2(root)).at_least(GROWTH.0);
+        let factor = if accepted { factor } else { factor.at_most(HALVED) };
+        let next_h = step.h * R::of(f64::from(factor));
+        // What is far below the tolerance tells nothing.
+        let is_free = accepted & (error < R::of(FREE));
+        StepVerdict { accepted, next_h: if is_free { R::of(FAR) } else { next_h }, error: bounded }
+    }
+
     /// True if an arc is so near the curve that what meets the one meets the other to the accuracy asked for.
     #[inline(always)]
     pub fn is_close(&self, arc: &PlaneArc<R>) -> bool {
@@ -207,8 +245,8 @@ impl<R: Real> Control<R> {
     #[inline(always)]
     pub fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
         let n = phase.index(b);
-        let longest = if phase.v > R::of(0.0) { LONGEST_FALL } else { LONGEST_RISE };
-        let h = h.at_most(R::of(longest) * self.room(phase.w) / n);
+        let longest = if phase.v > R::of(0.0) { self.longest_fall } else { self.longest_rise };
+        let h = h.at_most(longest * self.room(phase.w) / n);
         let widest = R::of(LARGEST_TANGENT) / b;
         if h * b > R::of(LARGEST_TANGENT) { widest } else { h }
     }
@@ -227,6 +265,7 @@ impl<R: Real> Control<R> {
         let exponent = 64u32.div_ceil(order.max(1)) as i32;
         let log2 = fast_log2::log2((REACH * self.tolerance.value() / strength) as f32);
         let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
-        self.within(R::of(reach.at_most(LARGEST_TANGENT) / rate), R::of(b), phase)
+        let first = R::of(reach.at_most(LARGEST_TANGENT) / rate).at_least(self.first);
+        self.within(first, R::of(b), phase)
     }
 }

@@ -3,6 +3,7 @@
 #![doc = include_str!("accuracy.md")]
 
 mod arc;
+mod areal_series;
 mod control;
 mod dop853;
 mod dopri5;
@@ -23,6 +24,7 @@ mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
+pub use areal_series::ArealSeries;
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
@@ -44,5 +46,5 @@ pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
 pub(crate) use sampled_arc::fit_sampled_arc;
 pub(crate) use space_arc::{SpaceArc, fit_space_arc, halfway};
-pub use stepper::{StepErrorModel, Stepper, Trial};
+pub use stepper::{OrbitStepper, StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::reissner_nordstrom::ReissnerNordstrom;
 use crate::math::real::Real;
 
 /// A static, spherically symmetric spacetime in isotropic coordinates centred on the origin.
@@ -25,6 +26,12 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// only bends light.
     fn lapse(&self, _w: f64) -> f64 {
         1.0
+    }
+
+    /// The spacetime as that of a hole, charged or not, whose rays have a polynomial equation in the inverse areal radius;
+    /// `None` of another.
+    fn as_hole(&self) -> Option<ReissnerNordstrom> {
+        None
     }
 
     /// Isotropic radius of the horizon, 0 if there is none.

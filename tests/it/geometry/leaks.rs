@@ -113,8 +113,15 @@ fn no_ray_leaves_the_cornell_box_whose_walls_are_spheres() {
 /// Stepper, tolerance and precision.
 type Setting = (&'static str, f64, &'static str);
 
-const SETTINGS: [Setting; 4] =
-    [("rkn6", 1e-3, "f64"), ("rkn6", 1e-5, "f64"), ("dop853", 1e-10, "f64"), ("rkn6", 1e-5, "f32")];
+const SETTINGS: [Setting; 7] = [
+    ("rkn6", 1e-3, "f64"),
+    ("rkn6", 1e-5, "f64"),
+    ("series", 1e-3, "f64"),
+    ("series", 1e-5, "f64"),
+    ("series", 1e-5, "f32"),
+    ("dop853", 1e-10, "f64"),
+    ("rkn6", 1e-5, "f32"),
+];
 const SPINNING_SETTINGS: [Setting; 2] = [("series", 1e-3, "f64"), ("series", 1e-5, "f64")];
 
 fn spinning_hole(center: DVec3) -> String {
