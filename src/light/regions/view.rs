@@ -37,10 +37,11 @@ struct Light {
     distance: f64,
 }
 
-/// Margin of a region for the error of the aim: radians, and what the square of the spin adds, near the hole and by
-/// winding number.
+/// Margin of a region for the error of the aim, radians: of any, what the square of the spin adds behind the hole, and
+/// what it adds for rays that go around.
 const MARGIN: f64 = 0.002;
-const SPIN_MARGIN: [f64; 2] = [0.004, 0.012];
+const SPIN_MARGIN: f64 = 0.004;
+const AROUND_MARGIN: f64 = 0.012;
 /// Smallest distance of a receiver from the middle of a light, relative to the light's size.
 const NEAREST: f64 = 1.5;
 /// Largest error of the winding about the axis: radians, or relative to the size of the light as the centre sees it.
@@ -160,12 +161,13 @@ impl Light {
         let sight = Sight::of(table, [from, middle], winding, tolerance)?;
         let direction = sight.direction;
         let a = table.hole().a;
-        let margin = MARGIN + SPIN_MARGIN[winding as usize] * a * a;
         let see = |position: DVec3| {
             let place = table.place(KerrPlace::new(table.hole(), position))?;
             sight.beside(table, [from, middle, &place])
         };
         let (sin, cos) = libm::sincos(sight.angle);
+        let spin_margin = if winding == 0 { 0.5 * (1.0 - cos) * SPIN_MARGIN } else { AROUND_MARGIN };
+        let margin = MARGIN + spin_margin * a * a;
         let is_arc = cos < 0.0 && *size > LINEAR * radius * sin.abs();
         let is_linear = !is_arc && *size < LINEAR * distance;
         let mut points = [direction; 6];
