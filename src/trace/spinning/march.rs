@@ -6,7 +6,8 @@ use glam::DVec3;
 use super::flight::{SpinningFlight, SpinningMove};
 use super::span::SpinningSpan;
 use crate::geodesic::kerr::{
-    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
+    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UnitHole, UsePowers, dense_displacement,
+    with_powers,
 };
 use crate::geodesic::{SpaceArc, fit_sampled_arc};
 use crate::math::columns::Row;
@@ -97,6 +98,23 @@ pub fn keeps_outside(outer: f64, start: &MinoState, end: &MinoState) -> bool {
     (start.u < outer) & (end.u < outer) & ((start.v > 0.0) == (end.v > 0.0))
 }
 
+/// Displacement after about a `part` of the way of a step of length `h`.
+///
+/// Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and its arc
+/// is off, near its start: between both.
+#[inline(always)]
+fn on_the_way<const P: usize>(
+    hole: &UnitHole,
+    series: &Series<P>,
+    step: &SeriesStep,
+    h: f64,
+    part: f64,
+) -> DVec3 {
+    let near = part * series.start.u;
+    let of_way = near / (near + (1.0 - part) * step.end.u);
+    dense_displacement(hole, series, 0.5 * (part + of_way) * h)
+}
+
 impl SpinningMarch {
     /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
     /// not go far beyond.
@@ -126,13 +144,11 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
         let h = held.within(self.control.length(hole, &series), &series);
         let h = if flight.longest < h { flight.longest } else { h };
         let step = SeriesStep::new(hole, &constants, &series, h);
-        // Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and
-        // the arc is off, near its start: between both.
-        let along = |part: f64| {
-            let of_way = part * state.u / (part * state.u + (1.0 - part) * step.end.u);
-            dense_displacement(hole, &series, 0.5 * (part + of_way) * h)
-        };
-        let points = [along(EARLY), along(0.5), along(LATE)];
+        let points = [
+            on_the_way(hole, &series, &step, h, EARLY),
+            on_the_way(hole, &series, &step, h, 0.5),
+            on_the_way(hole, &series, &step, h, LATE),
+        ];
         let tangents = [state.velocity(hole, &constants), step.end.velocity(hole, &constants)];
         let SpaceArc { middle, weight, error } = fit_sampled_arc(step.displacement, points, tangents);
         // What no search follows need not be followed closely.
