@@ -38,6 +38,17 @@ pub trait SeriesMarch: Send + Sync {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     );
+
+    /// Pose beside a span's point, given about what part of the step leads there.
+    fn pose_beside(&self, span: &SpinningSpan, part: &PartialStep) -> Pose;
+
+    /// Poses beside the points of blocks of spans, given about what parts of the steps lead there.
+    fn pose_beside_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    );
 }
 
 /// A march without the length of its series.
@@ -183,10 +194,11 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
     }
 }
 
-/// Parts of steps.
-struct SpinningPoses<'a, const P: usize>(&'a SpinningSteps<P>);
+/// Parts of steps: as they are, or `BESIDE` the points of their spans, by a step of Newton's method, which costs less than
+/// to make the series again.
+struct SpinningPoses<'a, const P: usize, const BESIDE: bool>(&'a SpinningSteps<P>);
 
-impl<const P: usize> Kernel for SpinningPoses<'_, P> {
+impl<const P: usize, const BESIDE: bool> Kernel for SpinningPoses<'_, P, BESIDE> {
     type A = SpinningSpan;
     type B = PartialStep;
     type Out = Pose;
@@ -196,7 +208,19 @@ impl<const P: usize> Kernel for SpinningPoses<'_, P> {
         let place = &self.0.held.place;
         let (hole, state, constants) = (&place.hole, span.state(), span.constants());
         let series = Series::<P>::new(hole, &constants, &state);
-        let step = SeriesStep::new(hole, &constants, &series, part.s * span.h);
+        let part = if BESIDE {
+            let there = series.at(hole, part.s * span.h).state;
+            let velocity = there.velocity(hole, &constants);
+            let way = place.inwards(span.way) * (1.0 / place.mass);
+            let ahead = way - dense_displacement(hole, &series, part.s * span.h);
+            let share = ahead.dot(velocity) / velocity.length_squared();
+            let nearer = part.s + share * (there.u * there.u) / span.h;
+            let nearer = if nearer > 0.0 { nearer } else { 0.0 };
+            if nearer < 1.0 { nearer } else { 1.0 }
+        } else {
+            part.s
+        };
+        let step = SeriesStep::new(hole, &constants, &series, part * span.h);
         let [velocity, turning] = step.end.motion(hole, &constants);
         let length = velocity.length();
         let tangent = velocity * (1.0 / length);
@@ -213,7 +237,7 @@ impl<const P: usize> Kernel for SpinningPoses<'_, P> {
             curvature: bending / (length * length) * per_mass,
             inverse_scale: u * per_mass,
             speed: span.h * length / (u * u) * place.mass,
-            s: part.s,
+            s: part,
         }
     }
 }
@@ -232,7 +256,7 @@ impl<const P: usize> SeriesMarch for SpinningSteps<P> {
     }
 
     fn pose(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
-        SpinningPoses(self).run(span, part)
+        SpinningPoses::<P, false>(self).run(span, part)
     }
 
     fn pose_all(
@@ -241,6 +265,19 @@ impl<const P: usize> SeriesMarch for SpinningSteps<P> {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
-        map(&SpinningPoses(self), spans, parts, poses);
+        map(&SpinningPoses::<P, false>(self), spans, parts, poses);
+    }
+
+    fn pose_beside(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
+        SpinningPoses::<P, true>(self).run(span, part)
+    }
+
+    fn pose_beside_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        map(&SpinningPoses::<P, true>(self), spans, parts, poses);
     }
 }
