@@ -33,35 +33,64 @@ pub(crate) fn fit_sampled_arc(
     // Both are computed and one is chosen, so that lanes can run side by side.
     let pick = |a: f64, b: f64| if meets { a } else { b };
     let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
-    // Shares of the control points in a point: along the chord, and square to it.
-    let per_chord2 = 1.0 / chord.length_squared();
-    let along = |point: DVec3| point.dot(chord) * per_chord2;
-    let middle_along = along(middle);
-    let bow = middle - middle_along * chord;
-    let per_bow2 = 1.0 / (bow.length_squared() + f64::MIN_POSITIVE);
-    let shares = |point: DVec3| {
-        let y = point.dot(bow) * per_bow2;
-        let x = along(point) - y * middle_along;
-        [1.0 - x - y, y, x]
-    };
+    let axes = Axes::new(chord, middle);
     // Points of the conic have y² = 4 w² z x.
-    let [z, y, x] = shares(halfway);
+    let [z, y, x] = axes.shares(halfway);
     let fitted = 0.5 * y / (z * x).sqrt();
     let is_fitted = meets & (fitted > 0.0) & (fitted < f64::INFINITY);
     let weight = if is_fitted { fitted } else { 1.0 };
     let four_weight2 = 4.0 * weight * weight;
-    // By Newton's method, square to the chord.
-    let distance2 = |point: DVec3| {
-        let [z, y, x] = shares(point);
-        let excess = y * y - four_weight2 * (z * x);
-        let slope = 2.0 * y + four_weight2 * ((1.0 - middle_along) * x + middle_along * z);
-        let on_conic = y - excess / slope;
-        (point - along(point) * chord - on_conic * bow).length_squared()
-    };
-    let (at_early, at_late) = (distance2(early), distance2(late));
+    let (at_early, at_late) = (axes.distance2(four_weight2, early), axes.distance2(four_weight2, late));
     let beside = if at_early > at_late { at_early } else { at_late };
-    let error = (beside + distance2(halfway)).sqrt();
+    let error = (beside + axes.distance2(four_weight2, halfway)).sqrt();
     SpaceArc { middle, weight, error: if forwards { error } else { f64::INFINITY } }
+}
+
+/// Axes of an arc: its chord, and what its middle control point is off that.
+///
+/// Methods, not closures: only what is inlined everywhere runs lane beside lane.
+struct Axes {
+    chord: DVec3,
+    per_chord2: f64,
+    bow: DVec3,
+    per_bow2: f64,
+    /// Part of the chord beside which the middle control point lies.
+    middle: f64,
+}
+
+impl Axes {
+    #[inline(always)]
+    fn new(chord: DVec3, middle: DVec3) -> Self {
+        let per_chord2 = 1.0 / chord.length_squared();
+        let along = middle.dot(chord) * per_chord2;
+        let bow = middle - along * chord;
+        let per_bow2 = 1.0 / (bow.length_squared() + f64::MIN_POSITIVE);
+        Self { chord, per_chord2, bow, per_bow2, middle: along }
+    }
+
+    /// Part of the chord beside which a point lies.
+    #[inline(always)]
+    fn along(&self, point: DVec3) -> f64 {
+        point.dot(self.chord) * self.per_chord2
+    }
+
+    /// Shares of start, middle and end in a point.
+    #[inline(always)]
+    fn shares(&self, point: DVec3) -> [f64; 3] {
+        let y = point.dot(self.bow) * self.per_bow2;
+        let x = self.along(point) - y * self.middle;
+        [1.0 - x - y, y, x]
+    }
+
+    /// Squared distance of a point from the conic, square to the chord: by a step of Newton's method.
+    #[inline(always)]
+    fn distance2(&self, four_weight2: f64, point: DVec3) -> f64 {
+        let [z, y, x] = self.shares(point);
+        let excess = y * y - four_weight2 * (z * x);
+        let slope = 2.0 * y + four_weight2 * ((1.0 - self.middle) * x + self.middle * z);
+        let on_conic = y - excess / slope;
+        (point - self.along(point) * self.chord - on_conic * self.bow).length_squared()
+    }
 }
 
 #[cfg(test)]

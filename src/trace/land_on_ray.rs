@@ -17,8 +17,8 @@ pub trait Retrace: Transport {
     /// A step, of which parts are wanted.
     type Span: Row;
 
-    /// Step that a ray took.
-    fn span(&self, flight: &Self::Flight, step: &Self::Move) -> Self::Span;
+    /// Step that a ray took, and a point (world) that it leads to.
+    fn span(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> Self::Span;
 
     /// Guess which part of a step leads to `point` (world), in [0, 1].
     fn part_near(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> f64;
@@ -33,6 +33,21 @@ pub trait Retrace: Transport {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     );
+
+    /// Pose beside the point of a span, given about what part of the step leads there.
+    fn pose_beside(&self, span: &Self::Span, part: &PartialStep) -> Pose {
+        self.pose(span, part)
+    }
+
+    /// Poses beside the points of blocks of spans, given about what parts of the steps lead there.
+    fn pose_beside_all(
+        &self,
+        spans: &[<Self::Span as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        self.pose_all(spans, parts, poses);
+    }
 
     /// Largest error of a ray's direction, radians.
     fn tolerance(&self) -> f64;
@@ -179,7 +194,11 @@ fn approach<T: Retrace>(
     found: Found,
 ) -> (T::Span, SupportingSurface, PartialStep) {
     let s = transport.part_near(flight, step, found.point);
-    (transport.span(flight, step), geometry.support(found.primitive), PartialStep { s, is_near: false })
+    (
+        transport.span(flight, step, found.point),
+        geometry.support(found.primitive),
+        PartialStep { s, is_near: false },
+    )
 }
 
 /// Moves a crossing from the segment to the ray, where that stays on the primitive and beside nothing else.
@@ -190,7 +209,7 @@ pub fn land_on_ray<T: Retrace>(
     found: Found,
 ) -> Landing {
     let (span, support, part) = approach(transport, geometry, ray, found);
-    let mut pose = transport.pose(&span, &part);
+    let mut pose = transport.pose_beside(&span, &part);
     let correcting = Correcting::to(transport.tolerance());
     for _ in 0..MOST_CORRECTIONS {
         let part = correcting.run(&support, &pose);
@@ -226,7 +245,7 @@ pub fn land_all_on_rays<T: Retrace>(
         supports.set(i, support);
         parts.set(i, part);
     }
-    transport.pose_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
+    transport.pose_beside_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
     let correcting = Correcting::to(transport.tolerance());
     for block in 0..lanes.div_ceil(LANES) {
         let of = block..block + 1;
@@ -297,6 +316,6 @@ fn land<T: Retrace>(
     }
     let (flight, step) = ray();
     let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
-    let direction = transport.pose(&span, &part).tangent;
+    let direction = transport.pose_beside(&span, &part).tangent;
     Landing::conformal(point, direction.normalize(), primitive)
 }

@@ -71,7 +71,7 @@ impl SeriesControl {
         let before = if before > wound { before } else { wound };
         // (tolerance/size)^(1/power), in logarithms: coefficients of far rays go as large powers of ω.
         let log2 = fast_log2::wide_log2;
-        let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
+        let root = |log2: i32, power: usize| log2 / power as i32;
         let last = root(log2(self.tolerance) - log2(size(P - 1)), P - 1);
         let last_but_one = root(log2(self.tolerance) - log2(before), P - 2);
         let guard = root(log2(COINCIDENCE * self.tolerance) - log2(size(P - 4)), P - 4);

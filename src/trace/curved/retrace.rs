@@ -19,7 +19,7 @@ where
     type Span = Span<R>;
 
     #[inline(always)]
-    fn span(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> Span<R> {
+    fn span(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, _: DVec3) -> Span<R> {
         let &CurvedFlight { position, radial, along, b, w, v, pull, origin_prim, .. } = flight;
         Span {
             position: position + self.worlds.of(origin_prim).center,
