@@ -53,6 +53,11 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
         world.warnings.push(what.to_owned());
     }
+    if matches!(world.spacetime, SpacetimeKind::Spinning { .. }) && !punctual.is_empty() {
+        let what = "punctual lights around a spinning hole are seen by rays of less than about one turn; of those that \
+                    go around it, a few per cent are not found";
+        world.notes.push(what.to_owned());
+    }
     warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(
@@ -183,7 +188,10 @@ fn lights(world: &mut World) -> Result<Vec<(Side, Punctual)>, Fault> {
             lights.push((side, light));
         }
     }
-    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
+    world.warn_of_names(
+        "lights inside the horizon or ergosphere of a hole, from where no light is seen",
+        &hidden,
+    );
     Ok(lights)
 }
 
