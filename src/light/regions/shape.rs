@@ -48,27 +48,19 @@ const NEAR_POLE: f64 = 0.03;
 const LARGEST: f64 = 2.0;
 
 impl Region {
-    /// The region about the direction of a light's `middle` and of `points` around it, and `margin` radians wider; a
-    /// sector is one about `pole`. `None` if it is so large that it is not worth while.
-    pub fn about(middle: DVec3, points: &[DVec3], pole: DVec3, margin: f64) -> Option<Self> {
+    /// The region about the direction of a light's `middle` and of `points` around it, and `margin` radians wider: a
+    /// sector about `pole`, if one is given, where an ellipse is too large. `None` if it is so large that it is not worth
+    /// while.
+    pub fn about(middle: DVec3, points: &[DVec3], pole: Option<DVec3>, margin: f64) -> Option<Self> {
         let ellipse = Ellipse::about(middle, points, margin);
-        let is_small = |ellipse: &Ellipse| ellipse.reach.x <= LARGE;
-        let region = if ellipse.as_ref().is_some_and(is_small) {
-            ellipse.map(Self::Ellipse)
-        } else {
-            let area = ellipse.as_ref().map_or(f64::INFINITY, Ellipse::area);
-            let sector = Sector::about(middle, points, pole, margin).filter(|sector| sector.area() < area);
-            sector.map(Self::Sector).or(ellipse.map(Self::Ellipse))
+        let pole = pole.filter(|_| ellipse.as_ref().is_none_or(|ellipse| ellipse.reach.x > LARGE));
+        let area = ellipse.as_ref().map_or(f64::INFINITY, Ellipse::area);
+        let sector = pole.and_then(|pole| Sector::about(middle, points, pole, margin));
+        let region = match sector.filter(|sector| sector.area() < area) {
+            Some(sector) => Self::Sector(sector),
+            None => Self::Ellipse(ellipse?),
         };
-        region.filter(|region| region.area() < LARGEST)
-    }
-
-    /// The region about the direction of a light's `middle` with these changes of direction to its sides; `None` if it
-    /// is not small.
-    pub fn small(middle: DVec3, shifts: &[DVec3; 3], margin: f64) -> Option<Self> {
-        let points = shifts.map(|shift| [(middle + shift).normalize(), (middle - shift).normalize()]);
-        let ellipse = Ellipse::about(middle, points.as_flattened(), margin)?;
-        (ellipse.reach.x <= LARGE).then_some(Self::Ellipse(ellipse))
+        (region.area() < LARGEST).then_some(region)
     }
 
     /// Density of a direction that is drawn from it.
