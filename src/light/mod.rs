@@ -2,7 +2,8 @@
 //!
 //! A light sample is a direction, chosen where light may come from, with its density in solid angle. [`Lights`] chooses
 //! the light, an [`Aim`] finds the rays to it, and a [`LightSampler`] makes a sample of both; around a spinning hole, where
-//! no formula joins two places, [`Regions`] of directions take the place of rays.
+//! no formula joins two places, [`Regions`] of directions take the place of rays, among several holes and through lenses
+//! [`FieldRegions`].
 //!
 //! A ray found by BSDF sampling that ends on an emitter asks for the density with which it could have been sampled:
 //! both ways of finding light are then weighted by [`Heuristic`].
@@ -11,6 +12,7 @@
 
 mod aim;
 mod emitter;
+mod field_regions;
 mod guide;
 mod lights;
 mod mis;
@@ -22,10 +24,12 @@ mod sampler;
 mod sky;
 mod tree;
 
+pub use aim::field::{FieldAim, FieldWay};
 pub use aim::lensed::Lensed;
 pub use aim::straight::StraightAim;
 pub use aim::{Aim, Approach, Link};
 pub use emitter::{Cap, Emitter, Extent, Form, Spot, Standpoint, View};
+pub use field_regions::FieldRegions;
 pub use guide::{Guide, Neighbourhood, Photon};
 pub use lights::{Lights, Transmission};
 pub use mis::Heuristic;

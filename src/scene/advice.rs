@@ -27,6 +27,21 @@ pub(super) fn of_holes(
     shadows.into_iter().flat_map(of).collect()
 }
 
+/// Warning of what is not seen of punctual lights in a spacetime.
+pub(super) fn of_aim(spacetime: &SpacetimeKind) -> Option<&'static str> {
+    match spacetime {
+        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. } => None,
+        SpacetimeKind::Spinning { .. } => Some(
+            "punctual lights are seen along rays that go the near way and around the hole once; some of those that go \
+             around may be missed: surfaces that emit miss nothing",
+        ),
+        SpacetimeKind::Indexed(_) => Some(
+            "punctual lights are seen along the near way and around each hole alone: where there are more images, a part \
+             of their light may be missing; surfaces that emit miss nothing",
+        ),
+    }
+}
+
 /// Oddities of where a hole is whose shadow has this radius from afar.
 fn of_hole(center: DVec3, shadow: f64, camera: &Camera, aspect: f64, boxes: &[(Bounds, u32)]) -> Vec<String> {
     let [x, y, z] = center.to_array().map(|value| value as f32);

@@ -48,15 +48,8 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     let camera = choose_camera(&mut world, wanted_camera, [&boxes, &far_boxes])?;
     check_outside_horizon(&world, &camera)?;
     let punctual = lights(&mut world)?;
-    let aims_at_points = !matches!(world.spacetime, SpacetimeKind::Indexed(_));
-    if !aims_at_points && !punctual.is_empty() {
-        let what = "punctual lights are not seen in this spacetime yet: use surfaces that emit";
-        world.warnings.push(what.to_owned());
-    }
-    if matches!(world.spacetime, SpacetimeKind::Spinning { .. }) && !punctual.is_empty() {
-        let what = "punctual lights around a spinning hole are seen by rays of less than about one turn; of those that \
-                    go around it, a few per cent are not found";
-        world.notes.push(what.to_owned());
+    if !punctual.is_empty() {
+        world.warnings.extend(advice::of_aim(&world.spacetime).map(str::to_owned));
     }
     warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
     if world.guesses_light_scale {

@@ -26,6 +26,9 @@ pub trait IndexField: Clone + PartialEq + Send + Sync + 'static {
     /// d²Y/dτ² at the projective places `y`, seen from the starts of steps.
     fn acceleration<const L: usize>(&self, from: &Viewpoint<L>, y: &Vectors<L>) -> Vectors<L>;
 
+    /// Area in the static frame over area in the chart, Ψ².
+    fn area_scale(&self, x: DVec3) -> f64;
+
     /// World position of its middle.
     fn middle(&self) -> DVec3;
 

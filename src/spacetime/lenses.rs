@@ -213,6 +213,11 @@ impl IndexField for Lenses {
         force
     }
 
+    /// Space is flat.
+    fn area_scale(&self, _: DVec3) -> f64 {
+        1.0
+    }
+
     fn middle(&self) -> DVec3 {
         self.middle
     }

@@ -174,6 +174,10 @@ impl IndexField for SeveralHoles {
         pull
     }
 
+    fn area_scale(&self, x: DVec3) -> f64 {
+        self.potential(x).powi(2)
+    }
+
     fn middle(&self) -> DVec3 {
         self.middle
     }

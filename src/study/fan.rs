@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::field_outlines::{FieldOutline, field_outlines};
 use super::spinning_sections::SpinningHole;
 use super::table::{Table, TableRow};
 use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
@@ -50,6 +51,8 @@ pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
     spinning: Option<SpinningHole>,
+    /// What bends rays in a field of refraction.
+    outlines: Vec<FieldOutline>,
     /// Side of a wormhole that is drawn: the camera's.
     side: Side,
     /// Centre and radius of a wormhole's throat on that side.
@@ -79,6 +82,8 @@ const PARALLEL: f64 = 1e-6;
 const AROUND_HOLE: f64 = 5.0;
 /// … and this part of the distance between the hole and the start of the fan.
 const BESIDE_HOLE: f64 = 0.4;
+/// Around each thing that bends rays in a field, a frame shows this many of its radii at least.
+const BESIDE_OUTLINE: f64 = 2.0;
 /// Room around what must be seen, relative to its larger side.
 const ROOM: f64 = 0.05;
 /// Smaller side of a frame, relative to the larger one, at least.
@@ -111,13 +116,19 @@ impl Fan {
             | SpacetimeKind::Wormhole { .. }
             | SpacetimeKind::Indexed(_) => None,
         };
+        let outlines = match &scene.spacetime {
+            SpacetimeKind::Indexed(medium) => field_outlines(medium),
+            SpacetimeKind::Flat
+            | SpacetimeKind::Spherical { .. }
+            | SpacetimeKind::Wormhole { .. }
+            | SpacetimeKind::Spinning { .. } => Vec::new(),
+        };
         if spinning.is_some() && scene.spacetime.drags(start) {
             return Err(FanError::InErgosphere);
         }
         let throat = scene.spacetime.wormhole();
         let throat = throat.map(|(mouths, metric)| (mouths.center(camera.side), metric.throat()));
-        let center = hole.map(|(center, _)| center).or(throat.map(|(center, _)| center));
-        let center = center.or(spinning.map(|spinning| spinning.placement.center));
+        let center = throat.map(|(center, _)| center).or(scene.spacetime.center());
         let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
@@ -141,7 +152,8 @@ impl Fan {
         let plane = Plane { point: view.origin, normal };
         let cuts =
             scene.geometry.of(camera.side).map_or_else(Vec::new, |around| around.cross_section(&plane));
-        Ok(Self { polylines: polylines(scene, &rays), hole, spinning, side: camera.side, throat, cuts, view })
+        let (polylines, side) = (polylines(scene, &rays), camera.side);
+        Ok(Self { polylines, hole, spinning, outlines, side, throat, cuts, view })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -232,6 +244,16 @@ impl Fan {
             add("ergosphere", Style::line(Color::GREY, 1.6), vec![spinning.ergosphere(axes)]);
             add("horizon", Style::area(Color::BLACK), vec![spinning.horizon(axes)]);
         }
+        for alike in self.outlines.chunk_by(|a, b| a.name == b.name) {
+            let curve = |outline: &FieldOutline| {
+                circle(self.view.place(outline.center).into(), outline.radius, 0.0, PI)
+            };
+            series.push(DataSeries {
+                name: alike[0].name.to_owned(),
+                style: alike[0].style,
+                curves: alike.iter().map(curve).collect(),
+            });
+        }
         if let Some((_, radius)) = self.throat {
             series.push(DataSeries {
                 name: "throat".to_owned(),
@@ -243,6 +265,7 @@ impl Fan {
         let origin = match self.throat {
             _ if has_hole => "the hole",
             Some(_) => "the throat",
+            None if !self.outlines.is_empty() => "the middle",
             None => "the start",
         };
         let FanBounds { min, max } = frame;
@@ -273,6 +296,9 @@ impl Fan {
         {
             let distance = DVec2::from(self.view.place(polyline.points[0])).length();
             frame.hold(DVec2::ZERO, (AROUND_HOLE * radius).max(BESIDE_HOLE * distance));
+        }
+        for outline in &self.outlines {
+            frame.hold(self.view.place(outline.center).into(), BESIDE_OUTLINE * outline.radius);
         }
         if frame.reach() == 0.0 {
             for cut in &self.cuts {

@@ -10,6 +10,7 @@ pub(crate) mod connections;
 mod errors;
 pub mod estimate;
 mod fan;
+mod field_outlines;
 pub(crate) mod forecast;
 pub mod free;
 pub mod input_error;

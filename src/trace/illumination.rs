@@ -131,7 +131,7 @@ impl Illumination {
         let (lights, out) = (&self.lights, vertex.direction);
         let density = match end {
             LightEnd::Surface(landing, normal) => {
-                let Landing { primitive, position, direction: arrival } = *landing;
+                let Landing { primitive, position, direction: arrival, .. } = *landing;
                 let hit = EmitterHit { primitive, position, normal, arrival };
                 self.sampler.surface_density(lights, &receiver, out, &hit)
             }
@@ -153,7 +153,7 @@ impl Illumination {
     /// True if a light ray that lands has reached its target.
     #[inline]
     pub fn reaches(&self, target: Target, landing: &Landing) -> bool {
-        let &Landing { primitive, position, direction } = landing;
+        let &Landing { primitive, position, direction, .. } = landing;
         self.sampler.reaches(&self.lights, target, &LightRayEnd { primitive, position, direction })
     }
 

@@ -6,7 +6,9 @@
 use glam::DVec3;
 
 use super::transport::{Landing, Transport};
-use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment, SupportingSurface};
+use crate::geometry::{
+    Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment, Skim, SupportingSurface,
+};
 use crate::math::columns::{Columns, LANES, Row, columns};
 use crate::math::kernel::{Kernel, map};
 
@@ -151,7 +153,7 @@ pub struct RayLandings<S: Row> {
     parts: Columns<PartialStep>,
     poses: Columns<Pose>,
     arrivals: Columns<SurfaceArrival>,
-    between: Search<Line>,
+    between: Search<Skim>,
 }
 
 impl<S: Row> Default for RayLandings<S> {
@@ -242,7 +244,7 @@ pub fn land_all_on_rays<T: Retrace>(
     map(&Arriving, supports.blocks(lanes), poses.blocks(lanes), arrivals.blocks_mut(lanes));
     between.queries.gather(lanes, |i| {
         let Found { point, primitive } = hits[i].1;
-        let segment = Line { p0: point, p2: arrivals.get(i).position };
+        let segment = Skim(Line { p0: point, p2: arrivals.get(i).position });
         Query { segment, origin_prim: primitive, need: Need::Whole }
     });
     geometry.search_all(between, lanes);
@@ -256,7 +258,7 @@ pub fn land_all_on_rays<T: Retrace>(
 
 /// First primitive between where the segment meets a primitive and where the ray does.
 fn first_between(geometry: &Geometry, found: Found, arrival: &SurfaceArrival) -> Option<PrimitiveId> {
-    let way = Line { p0: found.point, p2: arrival.position };
+    let way = Skim(Line { p0: found.point, p2: arrival.position });
     geometry.intersect(&way, found.primitive).map(|hit| hit.primitive)
 }
 
@@ -280,7 +282,7 @@ fn land<T: Retrace>(
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
         if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
-            return Landing { position, direction, primitive };
+            return Landing::conformal(position, direction, primitive);
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
         let reach = 2.0 * moved * direction;
@@ -289,12 +291,12 @@ fn land<T: Retrace>(
         if course.is_some_and(|course| moved < 0.1 * position.distance(course.chord().start)) {
             let tangent = Line { p0: position - reach, p2: position + reach };
             if let Some(hit) = geometry.intersect(&tangent, primitive.none_beside()) {
-                return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+                return Landing::conformal(tangent.point(hit.s), direction, hit.primitive);
             }
         }
     }
     let (flight, step) = ray();
     let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
     let direction = transport.pose(&span, &part).tangent;
-    Landing { position: point, direction: direction.normalize(), primitive }
+    Landing::conformal(point, direction.normalize(), primitive)
 }

@@ -12,7 +12,7 @@ use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
-use crate::spacetime::{AtInfinity, Side};
+use crate::spacetime::{AtInfinity, Side, Stretch};
 
 /// Arrival of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,16 @@ pub struct Landing {
     pub direction: DVec3,
     /// Primitive that is met.
     pub primitive: PrimitiveId,
+    /// Stretch of the space at rest there.
+    pub stretch: Stretch,
+}
+
+impl Landing {
+    /// Arrival where the angles of the chart are true.
+    #[inline(always)]
+    pub fn conformal(position: DVec3, direction: DVec3, primitive: PrimitiveId) -> Self {
+        Self { position, direction, primitive, stretch: Stretch::NONE }
+    }
 }
 
 /// Outcome of a ray's move.
@@ -362,7 +372,8 @@ mod tests {
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
             assert_eq!(ends, [(shot.end, side)]);
-            let Outcome::Landed(Landing { position, direction, primitive: origin_prim }) = shot.end else {
+            let Outcome::Landed(Landing { position, direction, primitive: origin_prim, .. }) = shot.end
+            else {
                 panic!("{:?}", shot.end)
             };
             Start { position, direction: -direction, origin_prim, carried: side }

@@ -7,6 +7,7 @@ mod geodesics {
     mod connections;
     mod conservation;
     mod extremes;
+    mod field_connections;
     mod fields;
     mod geodesic_reference;
     mod gradient_index;
@@ -32,6 +33,7 @@ mod geometry {
 mod light {
     mod chi_square;
     mod emitter_furnaces;
+    mod field_lights;
     mod furnace;
     mod irradiance;
     mod lamp_edges;

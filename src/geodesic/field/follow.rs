@@ -106,42 +106,56 @@ const INFINITY: f64 = 1e-13;
 /// Most corrections of a step to infinity.
 const MOST_CORRECTIONS: u32 = 8;
 
-/// The unit direction at infinity of a ray that leaves and meets nothing more; `None` if it is lost.
-pub(crate) fn at_infinity<F: IndexField, S: Stepper>(
+/// Rays that leave and meet nothing more, where 1 − β·Y is about `infinity` in their last step, with which the first of
+/// them keeps pace; `None` if they are lost.
+#[inline(always)]
+pub(crate) fn to_infinity<F: IndexField, S: Stepper, const L: usize, const N: usize>(
     field: &F,
     stepper: &S,
     control: &FieldControl,
-    mut ray: FieldRays<1>,
-) -> Option<DVec3> {
-    let mut h = control.first_step(S::ESTIMATE.order, &ray, 0);
+    mut rays: FieldRays<L>,
+    infinity: f64,
+) -> Option<FieldRays<L>> {
+    let mut h = control.first_step(S::ESTIMATE.order, &rays, 0);
     let mut previous = 1.0;
     for _ in 0..MAX_STEPS {
-        let (lean, momentum) = (lane(&ray.lean, 0), lane(&ray.p, 0));
+        let (lean, momentum) = (lane(&rays.lean, 0), lane(&rays.p, 0));
         if lean == DVec3::ZERO {
-            return momentum.try_normalize();
+            return Some(rays);
         }
         // Where a straight ray is at infinity.
         let whole = 1.0 / lean.dot(momentum);
         let reaches = whole > 0.0 && h >= whole;
         h = if reaches { whole } else { h };
-        let mut step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
+        let mut step = FieldStep::new::<N>(field, stepper, &rays, &[h; L]);
         for _ in 0..if reaches { MOST_CORRECTIONS } else { 0 } {
-            let excess = step.ahead[0] - INFINITY;
-            if excess.abs() < 0.5 * INFINITY {
+            let excess = step.ahead[0] - infinity;
+            if excess.abs() < 0.5 * infinity {
                 break;
             }
             h += h * excess / lean.dot(lane(&step.rate, 0));
-            step = FieldStep::new::<3>(field, stepper, &ray, &[h]);
+            step = FieldStep::new::<N>(field, stepper, &rays, &[h; L]);
         }
-        let verdict = control.judge::<1, S>((&step, h), 0.0, previous, 0);
-        if verdict.accepted && step.ahead[0] < 2.0 * INFINITY {
-            return lane(&step.end.p, 0).try_normalize();
+        let verdict = control.judge::<L, S>((&step, h), 0.0, previous, 0);
+        if verdict.accepted && step.ahead[0] < 2.0 * infinity {
+            return Some(step.end);
         }
         if !verdict.accepted && verdict.next_h < f64::from(f32::MIN_POSITIVE) {
             return None;
         }
-        (ray, previous) = if verdict.accepted { (step.end, verdict.error) } else { (ray, previous) };
+        (rays, previous) = if verdict.accepted { (step.end, verdict.error) } else { (rays, previous) };
         h = verdict.next_h;
     }
     None
+}
+
+/// The unit direction at infinity of a ray that leaves and meets nothing more; `None` if it is lost.
+pub(crate) fn at_infinity<F: IndexField, S: Stepper>(
+    field: &F,
+    stepper: &S,
+    control: &FieldControl,
+    ray: FieldRays<1>,
+) -> Option<DVec3> {
+    let there = to_infinity::<F, S, 1, 3>(field, stepper, control, ray, INFINITY)?;
+    lane(&there.p, 0).try_normalize()
 }

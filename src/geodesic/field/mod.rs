@@ -1,11 +1,13 @@
 //! Rays in fields of refraction, in three dimensions.
 
+mod connect;
 mod control;
 mod follow;
 mod step;
 #[cfg(feature = "cli")]
 mod time;
 
+pub use connect::{FieldConnection, FieldTarget, join_in_field};
 pub use control::{FieldControl, FieldVerdict};
 pub(crate) use follow::at_infinity;
 pub use follow::{FieldEnd, FieldJourney, follow_field};

@@ -179,6 +179,17 @@ impl<const P: usize> Series<P> {
         whole.kept
     }
 
+    /// Length of λ over which u changes by `change`, in the sense in which it changes at the start: by its speed and
+    /// acceleration there.
+    #[inline(always)]
+    pub fn fall_by(&self, change: f64) -> f64 {
+        let MinoState { u, v, .. } = self.start;
+        let acceleration = 2.0 * self.u[2] - self.omega * self.omega * u;
+        let speed2 = v * v + 2.0 * acceleration * change;
+        let speed = v.abs() + if speed2 > 0.0 { speed2 } else { 0.0 }.sqrt();
+        2.0 * change.abs() / (speed + f64::MIN_POSITIVE)
+    }
+
     /// The ray after `h`, for ω|h| up to 1.7.
     #[inline(always)]
     pub fn at(&self, hole: &UnitHole, h: f64) -> SeriesPoint {

@@ -8,7 +8,7 @@
 //! Point, spot and distant lights are found by true connections; the sky is left to BSDF sampling.
 
 mod connected;
-mod shape;
+pub(super) mod shape;
 mod sight;
 mod view;
 

@@ -9,6 +9,7 @@ use crate::geodesic::{
     Dop853, FieldControl, FieldRays, FieldStep, FieldVerdict, Rkn6, Stepper, alone, at_infinity, lane,
     set_lane,
 };
+use crate::light::{FieldRegions, LightSampler};
 use crate::math::columns::{LANES, Row};
 use crate::math::kernel::widest;
 use crate::scene::StepperKind;
@@ -53,6 +54,9 @@ pub trait FieldMarch: Send + Sync {
 
     /// The direction at infinity of a ray that leaves and meets nothing more; `None` if it is lost.
     fn at_infinity(&self, flight: &FieldFlight) -> Option<DVec3>;
+
+    /// Light sampling along these rays, with winding numbers up to `max_winding` about each hole.
+    fn sampler(&self, max_winding: u32) -> Box<dyn LightSampler>;
 }
 
 /// The march by `stepper` in `field`, into `traps`. The steppers of higher order and of the least work stand for all: a
@@ -312,5 +316,9 @@ impl<F: IndexField, S: Stepper> FieldMarch for FieldStepping<F, S> {
     fn at_infinity(&self, flight: &FieldFlight) -> Option<DVec3> {
         let rays = FieldRays::new(&self.field, &alone(flight.position), &alone(flight.momentum));
         at_infinity(&self.field, &self.stepper, &self.control, rays)
+    }
+
+    fn sampler(&self, max_winding: u32) -> Box<dyn LightSampler> {
+        Box::new(FieldRegions::new(self.field.clone(), self.control.outer, max_winding))
     }
 }

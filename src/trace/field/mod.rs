@@ -90,8 +90,8 @@ impl Transport for FieldTransport {
     type Scratch = FieldScratch;
     type Carried = ();
 
-    fn sampler(&self, _: u32) -> Option<Box<dyn LightSampler>> {
-        None
+    fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
+        Some(self.march.sampler(max_winding))
     }
 
     fn launch(&self, start: &Start) -> FieldFlight {

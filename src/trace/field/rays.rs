@@ -2,14 +2,14 @@
 
 use super::flight::{FieldFlight, FieldMove};
 use super::march::{FieldMarch, Trap, march};
+use glam::DVec3;
+
 use crate::geodesic::{Arc, FieldControl};
 use crate::scene::Baked;
 use crate::spacetime::IndexField;
 use crate::trace::arc_sweep::ArcSweep;
 
 /// Rays of a static index of refraction.
-///
-/// Nothing aims at lights: paths that meet light count it, and punctual lights are not seen.
 pub struct FieldTransport {
     /// The method of integration in the field.
     pub march: Box<dyn FieldMarch>,
@@ -26,14 +26,17 @@ pub struct FieldTransport {
 }
 
 impl FieldTransport {
-    /// Rays of `scene` in `field`; falling ones are followed at least to the distance `core` from each hole.
-    pub fn new(scene: &Baked, field: &impl IndexField, core: f64, sky: bool) -> Self {
+    /// Rays of `scene` in `field`; falling ones are followed at least to the distance `core` from each hole, and to the
+    /// places of `lights`.
+    pub fn new(scene: &Baked, field: &impl IndexField, core: f64, lights: &[DVec3], sky: bool) -> Self {
         let (tolerance, middle) = (scene.settings.tolerance, field.middle());
         let farthest = scene.geometry.radii(middle).map_or(0.0, |(_, farthest)| farthest);
         let arc_tolerance = scene.arc_tolerance_around(middle);
         let control = FieldControl::new(field, farthest, tolerance, arc_tolerance);
         let traps = field.sinks().iter().map(|sink| {
             let nearest = scene.geometry.radii(sink.center).map_or(f64::INFINITY, |(nearest, _)| nearest);
+            let lights = lights.iter().map(|light| light.distance(sink.center));
+            let nearest = lights.fold(nearest, f64::min);
             let radius = sink.captures.min(nearest.min(core)).max(sink.innermost);
             Trap { center: sink.center, radius2: radius * radius }
         });

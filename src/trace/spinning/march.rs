@@ -8,7 +8,7 @@ use super::span::SpinningSpan;
 use crate::geodesic::kerr::{
     MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
 };
-use crate::geodesic::{SpaceArc, fit_space_arc};
+use crate::geodesic::{SpaceArc, fit_sampled_arc};
 use crate::math::columns::Row;
 use crate::math::fast_log2;
 use crate::math::kernel::{Kernel, NOTHING, map};
@@ -82,6 +82,11 @@ const GROWTH: (f32, f32) = (0.8, 4.0);
 const SHRINKAGE: (f32, f32) = (0.2, 0.7);
 /// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
 const OUTSIDE: f64 = 0.5;
+/// Inverse radius down to which a step may end, as a part of that at its start: a longer way is no arc.
+const FARTHEST: f64 = 0.25;
+/// Parts of the way at which the arc is compared with the ray, at about which it is farthest off.
+const EARLY: f64 = 0.2;
+const LATE: f64 = 0.8;
 /// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
 /// it in.
 const EDGE: f64 = 0.7;
@@ -96,12 +101,13 @@ impl SpinningMarch {
     /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
     /// not go far beyond.
     #[inline(always)]
-    fn within(&self, h: f64, state: &MinoState) -> f64 {
+    fn within<const P: usize>(&self, h: f64, series: &Series<P>) -> f64 {
         let outer = self.chart.outer;
         let edge = EDGE * outer;
-        let MinoState { u, v, .. } = *state;
-        let end = if u > outer { OUTSIDE * outer } else { OUTSIDE * u };
-        let bounded = if v < 0.0 { (end - u) / v } else { (edge - u) / v };
+        let MinoState { u, v, .. } = series.start;
+        let end = OUTSIDE * if u > outer { outer } else { u };
+        let end = if end > FARTHEST * u { end } else { FARTHEST * u };
+        let bounded = if v < 0.0 { series.fall_by(end - u) } else { (edge - u) / v };
         let is_bounded = (v < 0.0) | (u < OUTSIDE * edge);
         if is_bounded & (bounded < h) { bounded } else { h }
     }
@@ -117,13 +123,18 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
         let held = &self.held;
         let (hole, state, constants) = (&held.place.hole, flight.state(), flight.constants());
         let series = Series::<P>::new(hole, &constants, &state);
-        let h = held.within(self.control.length(hole, &series), &state);
+        let h = held.within(self.control.length(hole, &series), &series);
         let h = if flight.longest < h { flight.longest } else { h };
         let step = SeriesStep::new(hole, &constants, &series, h);
-        // About halfway of the way, not of λ: on a straight radius u is linear.
-        let through = dense_displacement(hole, &series, h * (state.u / (state.u + step.end.u)));
-        let (start, end) = (state.motion(hole, &constants), step.end.motion(hole, &constants));
-        let SpaceArc { middle, weight, error } = fit_space_arc(step.displacement, through, start, end);
+        // Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and
+        // the arc is off, near its start: between both.
+        let along = |part: f64| {
+            let of_way = part * state.u / (part * state.u + (1.0 - part) * step.end.u);
+            dense_displacement(hole, &series, 0.5 * (part + of_way) * h)
+        };
+        let points = [along(EARLY), along(0.5), along(LATE)];
+        let tangents = [state.velocity(hole, &constants), step.end.velocity(hole, &constants)];
+        let SpaceArc { middle, weight, error } = fit_sampled_arc(step.displacement, points, tangents);
         // What no search follows need not be followed closely.
         let searched = !keeps_outside(held.chart.outer, &state, &step.end);
         let error = if searched { error } else { 0.0 };

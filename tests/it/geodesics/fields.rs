@@ -354,6 +354,10 @@ impl IndexField for FishEye {
         force
     }
 
+    fn area_scale(&self, _: DVec3) -> f64 {
+        1.0
+    }
+
     fn middle(&self) -> DVec3 {
         DVec3::ZERO
     }

@@ -13,7 +13,8 @@ const TWO_HOLES: &str = "[spacetime]\nkind = \"several-holes\"\n\
     [[spacetime.hole]]\ncenter = [0.8, -0.6, -0.3]\nmass = 0.2\n";
 
 /// Long paths, none ended by roulette: no noise is left.
-const WHOLE_PATHS: &str = "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\n";
+const WHOLE_PATHS: &str =
+    "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\nlight_sampling = \"off\"\n";
 
 #[test]
 fn a_furnace_with_two_holes_is_exactly_one() {
@@ -28,8 +29,14 @@ fn a_furnace_with_two_holes_is_exactly_one() {
             + &sphere(DVec3::new(0.8, -0.6, -0.3), radius, "wall")
             + "[[entity]]\nmesh = \"box.obj\"\nmaterial = \"wall\"\n";
         let walls = closed_box(DVec3::new(-2.0, -2.5, -3.0), DVec3::new(2.0, 1.5, 2.5));
-        let (low, high) = red_range(&render(&scene_with(&text, &[("box.obj", &walls)]), &Run::default()));
+        let files = [("box.obj", walls.as_str())];
+        let (low, high) = red_range(&render(&scene_with(&text, &files), &Run::default()));
         assert!((low - 1.0).abs() < 1e-5 && (high - 1.0).abs() < 1e-5, "{radius}: {low} to {high}");
+        let text = text.replace("light_sampling = \"off\"", "light_sampling = \"geodesic\"");
+        let rendered = render(&scene_with(&text.replace("spp = 4", "spp = 64"), &files), &Run::default());
+        let red = rendered.image.channel("R").unwrap();
+        let mean = red.iter().map(|&value| f64::from(value)).sum::<f64>() / red.len() as f64;
+        assert!((mean - 1.0).abs() < 3e-3, "{radius} with light sampling: {mean}");
     }
 }
 

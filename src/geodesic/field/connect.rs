@@ -1,0 +1,272 @@
+//! Rays that join two places of a field: shooting, corrected by Newton's method.
+//!
+//! A ray that sets out in a direction passes its target at some distance; how that changes with the direction tells how to
+//! turn it. Four rays beside it, all by the same steps, are a ray and its derivatives in one, to the square of the angle
+//! between them: what a step is off is a smooth function of where it starts.
+
+use glam::{DMat2, DVec2, DVec3};
+
+use super::control::{FieldControl, FieldVerdict};
+use super::follow::to_infinity;
+use super::step::{FieldRays, FieldStep, lane, set_lane};
+use crate::geodesic::{Rkn6, Stepper};
+use crate::math::frame::tangents;
+use crate::math::kernel::widest;
+use crate::spacetime::{IndexField, Sink};
+
+/// Target of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldTarget {
+    /// A world position.
+    Place(DVec3),
+    /// A unit direction of travel at infinity.
+    Infinity(DVec3),
+}
+
+/// A ray from a place to a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldConnection {
+    /// Unit direction at its start.
+    pub direction: DVec3,
+    /// Unit direction of travel at its end.
+    pub arrival: DVec3,
+    /// Two unit vectors across the ray at its end.
+    pub across: [DVec3; 2],
+    /// How the direction at the start changes as the target moves along each of them: by unit length, or by radians if it is
+    /// at infinity.
+    pub turns: [DVec3; 2],
+    /// Distance from the target at which it passes; radians if that is at infinity.
+    pub miss: f64,
+}
+
+/// Angle between a ray and those beside it, radians.
+const BESIDE: f64 = 1e-7;
+/// Rays that stand for one and its derivatives.
+const RAYS: usize = 4;
+/// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
+const AFAR: f64 = 1e-5;
+/// Corrections of a direction at most, and halvings of a correction that makes it worse.
+const MOST_CORRECTIONS: u32 = 10;
+const MOST_HALVINGS: u32 = 3;
+/// Largest correction, radians.
+const LARGEST: f64 = 0.5;
+/// Steps of a shot at most.
+const MOST_STEPS: u32 = 1000;
+/// Improvements of the point at which a ray is nearest to its target, and how near that is enough, relative to the distance
+/// from the start.
+const MOST_IMPROVEMENTS: u32 = 6;
+const NEAREST: f64 = 1e-7;
+
+impl FieldConnection {
+    /// Solid angle at the start over the area at the end, perpendicular to the ray, in the chart; over the solid angle there
+    /// if the target is at infinity.
+    pub fn geometry_factor(&self) -> f64 {
+        self.turns[0].cross(self.turns[1]).length()
+    }
+
+    /// How the direction at the start changes as the target moves along `offset`, to first order.
+    pub fn turned(&self, offset: DVec3) -> DVec3 {
+        let [first, second] = self.across.map(|across| across.dot(offset));
+        first * self.turns[0] + second * self.turns[1]
+    }
+}
+
+/// The ray from `x` to `target` that Newton's method finds from the unit direction `guess`, such that it misses by no more
+/// than `enough`; `None` if it finds none.
+pub fn join_in_field(
+    field: &impl IndexField,
+    control: &FieldControl,
+    (x, guess): (DVec3, DVec3),
+    target: FieldTarget,
+    enough: f64,
+) -> Option<FieldConnection> {
+    // A ray that winds passes its target several times: of the guess, the nearest passage counts, then the same one.
+    let mut here = shoot(field, control, (x, guess), target, None)?;
+    for _ in 0..MOST_CORRECTIONS {
+        if here.connection.miss <= enough {
+            return Some(here.connection);
+        }
+        let correction = here.correction.clamp_length_max(LARGEST);
+        let mut part = 1.0;
+        here = (0..=MOST_HALVINGS).find_map(|_| {
+            let direction = (here.connection.direction + part * correction).normalize();
+            part *= 0.5;
+            let there = shoot(field, control, (x, direction), target, Some(here.passage))?;
+            (there.connection.miss < here.connection.miss).then_some(there)
+        })?;
+    }
+    None
+}
+
+/// A ray that is shot at a target.
+struct FieldShot {
+    connection: FieldConnection,
+    /// Number of passages of the target before.
+    passage: u32,
+    /// Change of its direction that would let it hit, to first order.
+    correction: DVec3,
+}
+
+/// Shoots a ray in a unit direction; `None` if it ends before, or does not get near.
+fn shoot(
+    field: &impl IndexField,
+    control: &FieldControl,
+    (x, direction): (DVec3, DVec3),
+    target: FieldTarget,
+    passage: Option<u32>,
+) -> Option<FieldShot> {
+    let (u, v) = tangents(direction);
+    let mut starts = [[0.0; RAYS]; 3];
+    let mut directions = [[0.0; RAYS]; 3];
+    for (l, beside) in [u, -u, v, -v].into_iter().enumerate() {
+        set_lane(&mut starts, l, x);
+        set_lane(&mut directions, l, direction + BESIDE * beside);
+    }
+    let flying = Flying { field, control, starts: &starts, directions: &directions, target, passage };
+    let (end, passage) = widest(flying)?;
+    let momentum = |l: usize| lane(&end.p, l);
+    let arrival = mean(momentum).normalize();
+    let off = |l: usize| match target {
+        FieldTarget::Place(y) => lane(&end.x, l) - y,
+        FieldTarget::Infinity(to) => momentum(l).normalize() - to,
+    };
+    let (a, b) = tangents(arrival);
+    let along = |offset: DVec3| DVec2::new(a.dot(offset), b.dot(offset));
+    let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * BESIDE);
+    let inverse = DMat2::from_cols(rate(0), rate(2)).inverse();
+    let turn = |shift: DVec2| {
+        let turn = inverse * shift;
+        turn.x * u + turn.y * v
+    };
+    // Along the ray, a place is not met to the last digit.
+    let (miss, residual) = match target {
+        FieldTarget::Place(_) => (along(mean(off)).length(), along(mean(off))),
+        FieldTarget::Infinity(to) => (arrival.distance(to), along(arrival - to)),
+    };
+    let connection =
+        FieldConnection { direction, arrival, across: [a, b], turns: [turn(DVec2::X), turn(DVec2::Y)], miss };
+    let correction = turn(-residual);
+    (connection.miss.is_finite() && correction.is_finite()).then_some(FieldShot {
+        connection,
+        passage,
+        correction,
+    })
+}
+
+/// Mean over the rays.
+#[inline(always)]
+fn mean(of: impl Fn(usize) -> DVec3) -> DVec3 {
+    0.25 * ((of(0) + of(1)) + (of(2) + of(3)))
+}
+
+/// Rays beside each other, to be followed to where they are nearest to a target.
+struct Flying<'a, F> {
+    field: &'a F,
+    control: &'a FieldControl,
+    starts: &'a [[f64; RAYS]; 3],
+    directions: &'a [[f64; RAYS]; 3],
+    target: FieldTarget,
+    /// Passage of the target that counts; `None`: the nearest.
+    passage: Option<u32>,
+}
+
+impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
+    type Output = Option<(FieldRays<RAYS>, u32)>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { field, control, starts, directions, target, passage } = self;
+        let step =
+            |rays: &FieldRays<RAYS>, h: f64| FieldStep::new::<{ 3 * RAYS }>(field, &Rkn6, rays, &[h; RAYS]);
+        let middle = |rays: &FieldRays<RAYS>| (mean(|l| lane(&rays.x, l)), mean(|l| lane(&rays.p, l)));
+        // How far the middle ray has to go, times n.
+        let left = |rays: &FieldRays<RAYS>, y: DVec3| {
+            let (x, p) = middle(rays);
+            (y - x).dot(p)
+        };
+        let mut rays = FieldRays::new(field, starts, directions);
+        let (mut h, mut previous) = (control.first_step(Rkn6::ESTIMATE.order, &rays, 0), 1.0);
+        let whole = match target {
+            FieldTarget::Place(y) => y.distance(middle(&rays).0),
+            FieldTarget::Infinity(_) => f64::INFINITY,
+        };
+        let mut nearest: Option<(f64, (FieldRays<RAYS>, u32))> = None;
+        let mut passages = 0;
+        for _ in 0..MOST_STEPS {
+            let (x, p) = middle(&rays);
+            let falls = |sink: &Sink| {
+                let away = x - sink.center;
+                away.length_squared() <= sink.captures * sink.captures && away.dot(p) < 0.0
+            };
+            if field.sinks().iter().any(falls) {
+                break;
+            }
+            if control.leaves(x, p) {
+                match target {
+                    FieldTarget::Place(y) if (y - x).dot(p) <= 0.0 => break,
+                    FieldTarget::Place(_) => {}
+                    FieldTarget::Infinity(_) => {
+                        let there =
+                            to_infinity::<F, Rkn6, RAYS, { 3 * RAYS }>(field, &Rkn6, control, rays, AFAR);
+                        return there.map(|there| (there, 0));
+                    }
+                }
+            }
+            let moved = step(&rays, h);
+            let FieldVerdict { accepted, next_h, error } =
+                control.judge::<RAYS, Rkn6>((&moved, h), 0.0, previous, 0);
+            if !accepted {
+                let moves = next_h > f64::from(f32::MIN_POSITIVE);
+                if !moves {
+                    break;
+                }
+                h = next_h;
+                continue;
+            }
+            if let FieldTarget::Place(y) = target
+                && left(&rays, y) > 0.0
+                && left(&moved.end, y) <= 0.0
+            {
+                if passage.is_none_or(|passage| passage == passages) {
+                    let passing = beside(&rays, (&moved, h), step, |rays| left(rays, y), NEAREST * whole);
+                    let distance = middle(&passing).0.distance(y);
+                    if nearest.is_none_or(|(least, _)| distance < least) {
+                        nearest = Some((distance, (passing, passages)));
+                    }
+                    if passage.is_some() {
+                        break;
+                    }
+                }
+                passages += 1;
+            }
+            (rays, previous) = (moved.end, error);
+            h = control.within(next_h, &rays, 0);
+        }
+        nearest.map(|(_, passing)| passing)
+    }
+}
+
+/// Where the rays of a step are as far as their middle is beside the target, `left` times n away.
+#[inline(always)]
+fn beside(
+    start: &FieldRays<RAYS>,
+    (whole, h): (&FieldStep<RAYS>, f64),
+    step: impl Fn(&FieldRays<RAYS>, f64) -> FieldStep<RAYS>,
+    left: impl Fn(&FieldRays<RAYS>) -> f64,
+    near: f64,
+) -> FieldRays<RAYS> {
+    let (before, behind) = (left(start), left(&whole.end));
+    let mut part = h * before / (before - behind);
+    let mut passing = step(start, part);
+    for _ in 0..MOST_IMPROVEMENTS {
+        let p2 = mean(|l| lane(&passing.end.p, l)).length_squared();
+        let further = left(&passing.end) / p2;
+        if further * further * p2 <= near * near {
+            break;
+        }
+        // |dx/dτ| = n/(1 − β·Y)².
+        part = (part + further * passing.ahead[0] * passing.ahead[0]).clamp(0.0, h);
+        passing = step(start, part);
+    }
+    passing.end
+}

@@ -1,0 +1,253 @@
+//! Light sampling in fields of refraction: true connections to lights that are points, regions of directions around those
+//! to the middles of lights that are surfaces.
+//!
+//! A region is the ellipse that the derivatives of a connection make of a light's extent. Regions are a function of the
+//! receiver and the light alone, so that a ray found by BSDF sampling has the density with which it could have been drawn;
+//! what they miss is left to BSDF sampling, as is the sky. Of lights that are points, what no connection finds is missed.
+
+use glam::DVec3;
+
+use super::aim::field::{FieldAim, FieldWay};
+use super::emitter::{Emitter, Extent};
+use super::lights::{ChosenLight, Lights};
+use super::receiver::Receiver;
+use super::regions::shape::Region;
+use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
+use super::sampler::LightSampler;
+use crate::geodesic::{FieldConnection, FieldControl, FieldTarget};
+use crate::spacetime::{AtInfinity, IndexField};
+
+/// Light sampling in a field.
+pub struct FieldRegions<F> {
+    aim: FieldAim<F>,
+    /// Control of rays to lights that are points.
+    fine: FieldControl,
+    /// Control of rays from which regions follow.
+    rough: FieldControl,
+}
+
+/// View of a light from a receiver.
+struct FieldView<'a, F> {
+    regions: &'a FieldRegions<F>,
+    x: DVec3,
+    extent: Extent,
+    /// Length of the longest half-axis of the light.
+    size: f64,
+    near: Option<Region>,
+    /// Rays that go around a hole.
+    around: Vec<Around>,
+}
+
+/// Rays that go around a hole.
+struct Around {
+    /// Its index.
+    hole: usize,
+    /// Unit direction to it.
+    towards: DVec3,
+    /// Cosine of the largest angle to that in which they leave.
+    cos: f64,
+    /// Probability of such a ray.
+    share: f64,
+}
+
+/// Errors of directions of both controls, radians.
+const TOLERANCES: [f64; 2] = [1e-6, 1e-3];
+/// Distance, relative to the target's, by which a ray to a point may miss.
+const ENOUGH: f64 = 1e-6;
+/// Part of a light's size by which a ray to its middle may miss.
+const PART: f64 = 0.2;
+/// Margin of a region, radians.
+const MARGIN: f64 = 0.002;
+/// Smallest distance of a receiver from the middle of a light, relative to the light's size.
+const NEAREST: f64 = 1.5;
+/// Impact parameter of rays that go around, in radii of the photon sphere, at most, if the light is near.
+const AROUND: f64 = 8.0;
+/// Weight of a region that the receiver's surface looks away from.
+const TURNED_AWAY: f64 = 0.02;
+
+impl<F: IndexField> FieldRegions<F> {
+    /// Light sampling in `field` among things up to `farthest` from its middle, with winding numbers up to `max_winding`
+    /// about each hole; regions go around once at most.
+    pub fn new(field: F, farthest: f64, max_winding: u32) -> Self {
+        let control = |tolerance| FieldControl::new(&field, farthest, tolerance, f64::INFINITY);
+        let [fine, rough] = TOLERANCES.map(control);
+        Self { aim: FieldAim::new(field, max_winding), fine, rough }
+    }
+
+    /// A ray to a light that is a point, from a number in [0, 1), and the probability of its way.
+    fn image(&self, x: DVec3, target: FieldTarget, u: f64) -> Option<(FieldConnection, f64)> {
+        let enough = match target {
+            FieldTarget::Place(y) => ENOUGH * x.distance(y),
+            FieldTarget::Infinity(_) => ENOUGH,
+        };
+        let sum: f64 = self.aim.ways(x, target).map(|(_, weight)| weight).sum();
+        let mut left = u * sum;
+        let (way, weight) = self.aim.ways(x, target).find(|(_, weight)| {
+            left -= weight;
+            left < 0.0
+        })?;
+        Some((self.aim.image(&self.fine, (x, target), way, enough)?, weight / sum))
+    }
+
+    /// The view that a receiver has of an emitter; `None` if that is too close, or not found.
+    fn view(&self, receiver: &Receiver, emitter: &Emitter) -> Option<FieldView<'_, F>> {
+        let (x, extent) = (receiver.position, emitter.extent());
+        let size = extent.half_axes.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let distance = x.distance(extent.middle);
+        if receiver.on == emitter.primitive || distance < NEAREST * size {
+            return None;
+        }
+        let target = FieldTarget::Place(extent.middle);
+        let mut view = FieldView { regions: self, x, extent, size, near: None, around: Vec::new() };
+        view.near = view.region(FieldWay::Near);
+        let facing = |middle: DVec3, spread: f64| {
+            (middle.dot(receiver.normal) + spread).max(TURNED_AWAY + 0.1 * spread)
+        };
+        let spread = |region: &Region| (region.area() / std::f64::consts::PI).sqrt().min(1.0);
+        let mut sum = view.near.as_ref().map_or(0.0, |near| facing(near.middle(), spread(near)));
+        for (way, weight) in self.aim.ways(x, target) {
+            let FieldWay::Around(hole, 1) = way else { continue };
+            let (center, photon_sphere) = self.aim.hole(hole);
+            let (to_hole, beyond) = (x.distance(center), extent.middle.distance(center));
+            // Those that are bent least are as far out as Einstein's ring.
+            let ring = 2.0 * (photon_sphere * to_hole * beyond / (to_hole + beyond)).sqrt();
+            let reach = (1.3 * ring + 2.0 * photon_sphere + view.size).max(AROUND * photon_sphere);
+            let sin = reach / to_hole;
+            let cos = if sin < 1.0 { (1.0 - sin * sin).sqrt() } else { -1.0 };
+            let towards = (center - x).normalize_or(DVec3::Z);
+            let share = weight * facing(towards, sin.min(1.0));
+            sum += share;
+            view.around.push(Around { hole, towards, cos, share });
+        }
+        for around in &mut view.around {
+            around.share /= sum;
+        }
+        Some(view)
+    }
+}
+
+impl<F: IndexField> FieldView<'_, F> {
+    /// The region of a way.
+    fn region(&self, way: FieldWay) -> Option<Region> {
+        let FieldRegions { aim, rough, .. } = self.regions;
+        let Extent { middle, half_axes, is_round } = self.extent;
+        let ends = (self.x, FieldTarget::Place(middle));
+        let link = aim.connect(rough, ends, way, PART * self.size)?;
+        // Of a sphere, the disk across the ray is seen.
+        let [a, b] = link.across;
+        let half_axes = if is_round { [self.size * a, self.size * b, DVec3::ZERO] } else { half_axes };
+        Region::small(link.direction, &half_axes.map(|axis| link.turned(axis)), MARGIN)
+    }
+
+    /// Probability of the near region.
+    fn near_share(&self) -> f64 {
+        1.0 - self.around.iter().map(|around| around.share).sum::<f64>()
+    }
+
+    /// Density of a direction; of the hole with the index `known`, if any, the region is known.
+    fn density(&self, direction: DVec3, known: Option<(usize, &Region)>) -> f64 {
+        let near = self.near.as_ref().map_or(0.0, |near| self.near_share() * near.density(direction));
+        let around = |around: &Around| {
+            if !around.holds(direction) {
+                return 0.0;
+            }
+            let density = match known {
+                Some((hole, region)) if hole == around.hole => region.density(direction),
+                Some(_) | None => self.region(around.way()).map_or(0.0, |region| region.density(direction)),
+            };
+            around.share * density
+        };
+        near + self.around.iter().map(around).sum::<f64>()
+    }
+
+    /// A direction, from three numbers in [0, 1), and its density.
+    fn sample(&self, [mut choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
+        for around in &self.around {
+            if choice < around.share {
+                let region = self.region(around.way())?;
+                let direction = region.sample(u, v);
+                let density = self.density(direction, Some((around.hole, &region)));
+                return around.holds(direction).then_some((direction, density));
+            }
+            choice -= around.share;
+        }
+        let direction = self.near.as_ref()?.sample(u, v);
+        Some((direction, self.density(direction, None)))
+    }
+}
+
+impl Around {
+    fn way(&self) -> FieldWay {
+        FieldWay::Around(self.hole, 1)
+    }
+
+    /// True if rays in this direction may go around: only for them need the region be known.
+    fn holds(&self, direction: DVec3) -> bool {
+        self.towards.dot(direction) >= self.cos
+    }
+}
+
+impl<F: IndexField> LightSampler for FieldRegions<F> {
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
+        let x = receiver.position;
+        match lights.choose(receiver, u0)? {
+            ChosenLight::Surface(emitter, pmf) => {
+                let (direction, density) = self.view(receiver, emitter)?.sample(u)?;
+                Some(LightSample {
+                    direction,
+                    target: Target::Surface(emitter.primitive, emitter.middle()),
+                    light: Incoming::Radiance(emitter.radiance, pmf * density),
+                })
+            }
+            ChosenLight::Point(_, light, index, pmf) => {
+                let y = light.position()?;
+                let (link, way_pmf) = self.image(x, FieldTarget::Place(y), u[0])?;
+                // Intensities are those of the light's own frame.
+                let geometry_factor = link.geometry_factor() / self.aim.field().area_scale(y);
+                let factor = (geometry_factor / (pmf * way_pmf)) as f32;
+                let light = Incoming::Irradiance(factor * light.intensity_towards(-link.arrival));
+                Some(LightSample { direction: link.direction, target: Target::Point(index), light })
+            }
+            ChosenLight::Distant(side, light, inverse_pmf) => {
+                let travel = light.direction()?;
+                let (link, way_pmf) = self.image(x, FieldTarget::Infinity(-travel), u[0])?;
+                let factor = (inverse_pmf * link.geometry_factor() / way_pmf) as f32;
+                let light = Incoming::Irradiance(factor * light.intensity_towards(travel));
+                Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
+            }
+            ChosenLight::Sky(..) => None,
+        }
+    }
+
+    fn surface_density(
+        &self,
+        lights: &Lights,
+        receiver: &Receiver,
+        direction: DVec3,
+        hit: &EmitterHit,
+    ) -> f64 {
+        let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
+        let pmf = lights.emitter_pmf(index, receiver);
+        if pmf == 0.0 {
+            return 0.0;
+        }
+        pmf * self.view(receiver, emitter).map_or(0.0, |view| view.density(direction, None))
+    }
+
+    /// The sky is left to BSDF sampling.
+    fn sky_density(&self, _: &Lights, _: &Receiver, _: DVec3, _: AtInfinity) -> f64 {
+        0.0
+    }
+
+    fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool {
+        let Target::Surface(wanted, _) = target else { return false };
+        let Some((emitter, _)) = lights.emitter(end.primitive).filter(|_| end.primitive == wanted) else {
+            return false;
+        };
+        emitter.both_sides || end.direction.dot(emitter.normal_at(end.position)) < 0.0
+    }
+
+    fn samples_sky(&self) -> bool {
+        false
+    }
+}
