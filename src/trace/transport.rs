@@ -190,6 +190,11 @@ pub trait Transport: Send + Sync + Sized {
     /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Self::Segment>;
 
+    /// Largest distance between a course and its ray, scene units, if that is more than next to nothing.
+    fn course_error(&self) -> f64 {
+        0.0
+    }
+
     /// Coordinate length of a move, up to `point` if given.
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
 }

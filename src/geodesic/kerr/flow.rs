@@ -14,6 +14,7 @@ use super::state::MinoState;
 use crate::math::dual::Dual;
 use crate::math::fast_log2;
 use crate::math::real::Real;
+use crate::spacetime::Fate;
 
 /// Start of a ray in the direction of an observer at rest, and its derivatives by two changes of that direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +33,7 @@ pub struct FlowEnd {
     pub u_slopes: [f64; 2],
     /// Derivatives of N.
     pub n_slopes: [DVec3; 2],
-    /// True if the ray did not go beyond infinity on its way.
+    /// True if the ray came neither through infinity nor through the horizon.
     pub is_real: bool,
 }
 
@@ -145,7 +146,10 @@ impl FlowStart {
         let n = turned(value(first.n).normalize());
         let n_slopes = [first, second].map(|end| turned(slope(end.n)) + end.winding.slope * about_axis(n));
         let state = MinoState { u: first.u.value, v: first.v.value, n, m: turned(value(first.m)) };
-        Some(FlowEnd { state, u_slopes: [first.u.slope, second.u.slope], n_slopes, is_real: first.is_real })
+        // A ray that falls does not turn: not outside the horizon.
+        let turns_well = self.launch.fate() == Fate::Escapes || self.launch.state.v <= 0.0 || state.v > 0.0;
+        let is_real = first.is_real && turns_well;
+        Some(FlowEnd { state, u_slopes: [first.u.slope, second.u.slope], n_slopes, is_real })
     }
 
     /// Follows the ray through `lambda`; `each` sees every step: its length, and the states along it.
@@ -185,7 +189,7 @@ impl<T: Real> Flow<T> {
         for _ in 0..MAX_STEPS {
             let series = FlowSeries::<T, P>::new(hole, constants, &self);
             let h = series.length(hole, tolerance).min(left);
-            let is_real = self.is_real && self.u.value() >= 0.0;
+            let is_real = self.is_real && (0.0..hole.horizon).contains(&self.u.value());
             self = Self { is_real, ..series.at(hole, h) };
             left -= h;
             let u = self.u.value();

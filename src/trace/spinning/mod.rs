@@ -167,6 +167,10 @@ impl Transport for Spinning {
         step.accepted.then(|| self.arc(flight, step))
     }
 
+    fn course_error(&self) -> f64 {
+        self.arc_tolerance
+    }
+
     fn length(&self, flight: &SpinningFlight, step: &SpinningMove, point: Option<DVec3>) -> f64 {
         if !step.accepted {
             return 0.0;
