@@ -52,14 +52,11 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
             (phase.pull - sign * far * phase.v) / phase.w
         }
     };
-    let mean_of = |f: &dyn Fn(f64) -> f64| {
-        if medium.mouth() == 0.0 { mean(f) } else { graded_mean(f, end.w / start.w) }
-    };
     let steep = [start, end].iter().all(|phase| b * phase.w < STEEP * phase.v.abs());
     let integral = if steep {
         let along = end.w - start.w;
         along
-            * mean_of(&|share| {
+            * mean_between(medium, end.w / start.w, |share| {
                 let w = start.w + share * along;
                 let v = sign * (medium.index_squared(w) - (b * w).powi(2)).sqrt();
                 rate(Phase::new(medium, w, v)) / v
@@ -69,7 +66,7 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
         let small = angle < SMALL_ANGLE;
         let along = if small { h } else { angle / b };
         along
-            * mean_of(&|share| {
+            * mean_between(medium, end.w / start.w, |share| {
                 let h = if small { share * h } else { libm::tan(share * angle) / b };
                 rate(Step::new(medium, stepper, b, start, h).end)
             })
@@ -81,8 +78,13 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
     }
 }
 
-/// The mean over [0, 1] of a function with a logarithm of w, which changes about evenly and by the factor `ratio`.
-fn graded_mean(f: &dyn Fn(f64) -> f64, ratio: f64) -> f64 {
+/// The mean of `f` over [0, 1], where w changes about evenly and by the factor `ratio`: finely next to infinity if there
+/// is a logarithm.
+#[inline(always)]
+fn mean_between<M: ConformallyFlat>(medium: &M, ratio: f64, f: impl Fn(f64) -> f64) -> f64 {
+    if medium.mouth() == 0.0 {
+        return mean(f);
+    }
     let least = ratio.min(1.0 / ratio);
     let from_least = |share: f64| f(if ratio < 1.0 { 1.0 - share } else { share });
     let (mut sum, mut high) = (0.0, 1.0);

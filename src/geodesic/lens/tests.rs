@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Lens, Site};
+use super::Lens;
 use crate::spacetime::{ConformallyFlat, Schwarzschild};
 
 fn lens() -> (Schwarzschild, Lens) {
