@@ -201,6 +201,9 @@ impl Serialize for Spacetime<'_> {
                 map.serialize_entry("far_center", &mouths.far.to_array())?;
                 map.serialize_entry("far_rotation", &mouths.rotation.to_cols_array_2d())?;
                 map.serialize_entry("throat", &metric.throat())?;
+                if metric.mouth() > 0.0 {
+                    map.serialize_entry("mouth", &metric.mouth())?;
+                }
             }
             SpacetimeKind::Spinning { placement, hole } => {
                 map.serialize_entry("axis", &placement.axis.to_array())?;
@@ -233,10 +236,14 @@ impl Spacetime<'_> {
                 rounded(metric.photon_sphere(), 4)
             ),
             SpacetimeKind::Wormhole { mouths, metric } => format!(
-                "{title}{values} at {}, on the far side at {}; isotropic radius of the throat {}",
+                "{title}{values} at {}, on the far side at {}; isotropic radius of the throat {}{}",
                 point(&mouths.near.to_array()),
                 point(&mouths.far.to_array()),
-                rounded(metric.throat(), 4)
+                rounded(metric.throat(), 4),
+                match metric.mouth() {
+                    0.0 => String::new(),
+                    mouth => format!(", of its mouths {}", rounded(mouth, 4)),
+                }
             ),
             SpacetimeKind::Spinning { placement, hole } => format!(
                 "{title}{values} at {}, axis {}; radii at the equator: horizon {}, ergosphere {}",

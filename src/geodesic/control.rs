@@ -26,6 +26,8 @@ pub struct Control<R> {
     seam: R,
     /// Distance from there that a step's end may have.
     seam_margin: R,
+    /// Distance from there, outwards, over which the index changes.
+    seam_room: R,
     /// Longest way of a step towards the horizon, relative to what is left.
     longest_fall: R,
     /// Longest way of a step away from the horizon, relative to what lies between.
@@ -80,6 +82,10 @@ const NEGLIGIBLE: f64 = 0.1;
 const SEAM_WIDTH: f64 = 1e-6;
 /// Distance from a seam, in units of that at which the error would be half of the tolerance.
 const SEAM_SHARE: f64 = 0.01;
+/// Longest way of a step towards a seam, relative to what is left and to the distance over which the index changes.
+const SEAM_FALL: f64 = 0.75;
+/// Longest way of a step away from a seam, relative to the same.
+const SEAM_RISE: f64 = 1.5;
 /// Least relative distance from a seam, in roundings.
 const SEAM_ROUNDING: f64 = 8.0;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
@@ -99,17 +105,19 @@ pub(super) fn growth(order: u32, accepted: bool, previous: f64, error: f64) -> f
     factor.at_most(most).at_least(GROWTH.0)
 }
 
-/// Distance in w from the mouth of a cylindrical throat at which the error of a step that passes it is as good as none.
+/// Distance in w from the mouth of a cylindrical throat at which the error of a step that passes it is as good as none,
+/// and that over which the index changes, outwards.
 ///
 /// With the jump j of d ln g/d ln w, the error of its direction is about ½ j (distance/w)².
-fn seam_margin<M: ConformallyFlat>(medium: &M, tolerance: f64, epsilon: f64) -> f64 {
+fn seam<M: ConformallyFlat>(medium: &M, tolerance: f64, epsilon: f64) -> [f64; 2] {
     if medium.mouth() == 0.0 {
-        return 0.0;
+        return [0.0; 2];
     }
     let (w, pull) = (1.0 / medium.mouth(), medium.pull(1.0 / medium.mouth()));
     let steepness = |change: f64| (medium.pull(w * (1.0 + change)) / pull - 1.0) / change;
     let jump = (steepness(-SEAM_WIDTH) - steepness(SEAM_WIDTH)).abs();
-    w * (SEAM_SHARE * (tolerance / jump).sqrt()).max(SEAM_ROUNDING * epsilon)
+    let margin = (SEAM_SHARE * (tolerance / jump).sqrt()).max(SEAM_ROUNDING * epsilon);
+    [w * margin, w / jump.max(1.0)]
 }
 
 impl<R: Real> Control<R> {
@@ -121,6 +129,7 @@ impl<R: Real> Control<R> {
     /// Control of rays around `medium`: `tolerance` in radians, `arc_tolerance` in scene units.
     pub fn new<M: ConformallyFlat>(medium: &M, tolerance: f64, arc_tolerance: f64) -> Self {
         let tolerance = tolerance.max(Self::least_tolerance());
+        let [seam_margin, seam_room] = seam(medium, tolerance, R::EPSILON);
         Self {
             tolerance: R::of(tolerance),
             negligible: R::of((NEGLIGIBLE * tolerance) * (NEGLIGIBLE * tolerance)),
@@ -129,7 +138,8 @@ impl<R: Real> Control<R> {
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
             critical: R::of(medium.critical_impact_parameter()),
             seam: R::of(1.0 / medium.mouth()),
-            seam_margin: R::of(seam_margin(medium, tolerance, R::EPSILON)),
+            seam_margin: R::of(seam_margin),
+            seam_room: R::of(seam_room),
             longest_fall: R::of(LONGEST_FALL),
             longest_rise: R::of(LONGEST_RISE),
             first: R::of(0.0),
@@ -196,11 +206,24 @@ impl<R: Real> Control<R> {
         let root = (slope * slope - R::of(4.0) * (to - from - slope) * way).at_least(zero).sqrt();
         let part = R::of(-2.0) * way / if slope < zero { slope - root } else { slope + root };
         let cut = step.h * part.at_most(R::of(1.0));
+        let next_h = if passes { cut.at_most(verdict.next_h) } else { verdict.next_h };
         StepVerdict {
             accepted: verdict.accepted & !passes,
-            next_h: if passes { cut.at_most(verdict.next_h) } else { verdict.next_h },
+            next_h: self.beside_seam(medium, next_h, step.b, &step.end),
             ..verdict
         }
+    }
+
+    /// A step of at most `h` from `phase` that does not overlook how the index changes beside a seam.
+    #[inline(always)]
+    fn beside_seam<M: ConformallyFlat>(&self, medium: &M, h: R, b: R, phase: &Phase<R>) -> R {
+        if medium.mouth() == 0.0 {
+            return h;
+        }
+        let longest = if phase.v > R::of(0.0) { SEAM_FALL } else { SEAM_RISE };
+        let room = (self.seam - phase.w).at_least(R::of(0.0)) + self.seam_room;
+        let is_within = phase.w > self.seam + self.seam_margin;
+        if is_within { h } else { h.at_most(R::of(longest) * room / phase.index(b)) }
     }
 
     /// Judges a step of a series, which is as long as its accuracy allows, whose arc is off by `arc_error`.
@@ -266,6 +289,7 @@ impl<R: Real> Control<R> {
         let log2 = fast_log2::log2((REACH * self.tolerance.value() / strength) as f32);
         let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
         let first = R::of(reach.at_most(LARGEST_TANGENT) / rate).at_least(self.first);
-        self.within(first, R::of(b), phase)
+        let h = self.within(first, R::of(b), phase);
+        self.beside_seam(medium, h, R::of(b), phase)
     }
 }

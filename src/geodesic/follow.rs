@@ -156,3 +156,46 @@ fn land<M: ConformallyFlat, R: Real>(
     }
     piece
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geodesic::{Dop853, Launch, OrbitStepper, Rkn6};
+    use crate::spacetime::Interstellar;
+
+    /// Least distance of a mouth from both ends of a step that passes it, in units of its inverse radius, over all steps of a
+    /// ray; and how many steps pass.
+    fn farthest(stepper: impl OrbitStepper, tolerance: f64, b: f64) -> (f64, u32) {
+        let medium = Interstellar::new(1.0, 3.0, 0.4);
+        let mouth = 1.0 / medium.mouth();
+        let x = 6.0 * DVec3::X;
+        let sine = b / (6.0 * medium.index(1.0 / 6.0));
+        let direction = DVec3::new(-(1.0 - sine * sine).sqrt(), sine, 0.0);
+        let launch = Launch::new(&medium, x, direction, f64::EPSILON);
+        let control = Control::new(&medium, tolerance, f64::INFINITY);
+        let start = Phase::new(&medium, launch.w, launch.v);
+        let (mut worst, mut passing) = (0.0f64, 0);
+        follow(&medium, &stepper, &control, (launch.b, start, launch.fate), 0.1, |step| {
+            let [from, to] = [step.start.w, step.end.w].map(|w| w / mouth - 1.0);
+            if (from < 0.0) != (to < 0.0) {
+                worst = worst.max(from.abs().min(to.abs()));
+                passing += 1;
+            }
+        });
+        (worst, passing)
+    }
+
+    #[test]
+    fn steps_end_at_the_mouths_of_a_cylindrical_throat() {
+        for b in [0.0, 0.3, 0.9] {
+            for tolerance in [1e-3, 1e-10] {
+                for (worst, passing) in [farthest(Rkn6, tolerance, b), farthest(Dop853, tolerance, b)] {
+                    let allowed = 0.01 * tolerance.sqrt();
+                    assert!(passing == 2 && worst < allowed, "{b} at {tolerance:e}: {worst:e}, {passing}");
+                }
+            }
+        }
+    }
+}

@@ -14,7 +14,8 @@
 //! ∫ g/w dψ = s g₀ ln(w₁/w₀) + ∫ (g − s g₀ v)/w dψ,
 //! ```
 //!
-//! whose integrand is bounded at infinity: there g and |v| = √(n² − b²w²) differ from g₀ and 1 by O(w). Beside a
+//! whose integrand is bounded at infinity, or a logarithm: there g and |v| = √(n² − b²w²) differ from g₀ and 1 by O(w), g of
+//! Interstellar's wormhole by O(w ln w). Beside a
 //! horizon w is far from 0, and n²/w² is integrated as it is.
 //!
 //! If a ray is steep, the last integral is one over w, by dψ = dw/v, and so as exact as the ends of the step. A
@@ -28,6 +29,8 @@ use crate::spacetime::ConformallyFlat;
 
 /// Swept angle, radians, below which ψ and ξ are the same number.
 const SMALL_ANGLE: f64 = 1e-8;
+/// Ratio of the bounds of one panel next to a logarithm.
+const PANEL: f64 = 4.0;
 /// Tangent of the angle between ray and radius below which the ray is steep.
 const STEEP: f64 = 0.5;
 /// w g/n² above which the split is left: towards a horizon its parts grow and cancel.
@@ -53,7 +56,7 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl OrbitStep
     let integral = if steep {
         let along = end.w - start.w;
         along
-            * mean(|share| {
+            * mean_between(medium, end.w / start.w, |share| {
                 let w = start.w + share * along;
                 let v = sign * (medium.index_squared(w) - (b * w).powi(2)).sqrt();
                 rate(Phase::new(medium, w, v)) / v
@@ -63,7 +66,7 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl OrbitStep
         let small = angle < SMALL_ANGLE;
         let along = if small { h } else { angle / b };
         along
-            * mean(|share| {
+            * mean_between(medium, end.w / start.w, |share| {
                 let h = if small { share * h } else { libm::tan(share * angle) / b };
                 rate(stepper.part(medium, b, start, h).end)
             })
@@ -73,6 +76,24 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl OrbitStep
     } else {
         start.v / start.w - end.v / end.w + sign * far * libm::log(end.w / start.w) + integral
     }
+}
+
+/// The mean of `f` over [0, 1], where w changes about evenly and by the factor `ratio`: finely next to infinity if there
+/// is a logarithm.
+#[inline(always)]
+fn mean_between<M: ConformallyFlat>(medium: &M, ratio: f64, f: impl Fn(f64) -> f64) -> f64 {
+    if medium.mouth() == 0.0 {
+        return mean(f);
+    }
+    let least = ratio.min(1.0 / ratio);
+    let from_least = |share: f64| f(if ratio < 1.0 { 1.0 - share } else { share });
+    let (mut sum, mut high) = (0.0, 1.0);
+    while high > PANEL * least && high > f64::EPSILON {
+        let low = high / PANEL;
+        sum += (high - low) * mean(|share| from_least(low + share * (high - low)));
+        high = low;
+    }
+    sum + high * mean(|share| from_least(share * high))
 }
 
 #[cfg(test)]

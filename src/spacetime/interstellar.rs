@@ -176,3 +176,112 @@ impl ConformallyFlat for Interstellar {
         self.mouth * self.flare.stretch(beyond / self.radius)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_2_PI, PI};
+
+    use super::*;
+    use crate::math::dual::Dual;
+
+    /// Throat radius, throat length and lensing width.
+    const LENGTHS: [[f64; 3]; 6] = [
+        [1.0, 0.01, 0.014],
+        [1.0, 10.0, 1.0],
+        [2.0, 0.0, 1.5],
+        [0.5, 4.0, 3.0],
+        [3.0, 1.0, 150.0],
+        [1.0, 0.5, 0.001],
+    ];
+
+    fn wormholes() -> impl Iterator<Item = Interstellar> {
+        LENGTHS.into_iter().map(|[radius, length, width]| Interstellar::new(radius, length, width))
+    }
+
+    /// Areal radius at the distance `way` from a mouth, and x there.
+    fn areal(hole: &Interstellar, way: f64) -> (f64, f64) {
+        let x = 2.0 * way / (PI * hole.mass);
+        let rise =
+            if x < 1e-3 { x * x / 2.0 - x.powi(4) / 12.0 } else { x * x.atan() - 0.5 * (x * x).ln_1p() };
+        (hole.radius + hole.mass * rise, x)
+    }
+
+    #[test]
+    fn the_index_is_the_areal_radius_over_the_isotropic_one() {
+        for hole in wormholes() {
+            for i in 0..200 {
+                let way = hole.radius * 10f64.powf(-7.0 + 0.07 * f64::from(i));
+                let (r, x) = areal(&hole, way);
+                let rho = hole.isotropic_radius(0.5 * hole.length + way);
+                let (n, w) = (r / rho, 1.0 / rho);
+                let pull = n * n * rho * FRAC_2_PI * 1f64.atan2(x);
+                let errors = [hole.index(w) / n - 1.0, hole.pull(w) / pull - 1.0];
+                assert!(errors.iter().all(|error| error.abs() < 1e-12), "{hole:?} at {way}: {errors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_index_is_that_of_a_cylinder_within_the_mouth_and_of_a_mass_far_away() {
+        for hole in wormholes() {
+            for w in [1.001 / hole.mouth, 1.0 / (hole.throat * hole.mouth).sqrt(), 1.0 / hole.throat] {
+                assert!((hole.index(w) / (hole.radius * w) - 1.0).abs() < 1e-12, "{hole:?}");
+            }
+            let far = 1e-18 / hole.mass;
+            assert!((hole.pull(far) / hole.mass - 1.0).abs() < 1e-9, "{hole:?}");
+            assert_eq!((hole.index(0.0), hole.pull(0.0)), (1.0, hole.mass), "{hole:?}");
+            let mouth = 1.0 / hole.mouth;
+            assert!((hole.index(mouth) / (hole.radius * mouth) - 1.0).abs() < 1e-13, "{hole:?}");
+        }
+    }
+
+    #[test]
+    fn the_pull_is_the_index_times_its_derivative() {
+        for hole in wormholes() {
+            for i in 0..300 {
+                let w = 10f64.powf(-9.0 + 0.03 * f64::from(i)) / hole.throat;
+                let n = hole.index(Dual { value: w, slope: 1.0 });
+                let pull = hole.pull(w);
+                let error = (n.value * n.slope / pull - 1.0).abs();
+                assert!(error < 1e-8, "{hole:?} at {w}: {error:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn proper_and_isotropic_radii_are_inverse_to_each_other() {
+        for hole in wormholes() {
+            for l in [1e-3, 0.1, 0.5, 1.0, 4.9, 5.1, 100.0, 1e6].map(|l| l * hole.radius) {
+                let rho = hole.isotropic_radius(l);
+                assert!((hole.proper_radius(rho) - l).abs() < 1e-12 * (l + hole.radius), "{hole:?} at {l}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_narrow_lens_leaves_flat_space_beside_the_mouth() {
+        let hole = Interstellar::new(1.0, 0.5, 0.001);
+        assert!((hole.mouth - 1.0).abs() < 0.01, "{hole:?}");
+        for rho in [1.05, 2.0, 100.0] {
+            assert!((hole.index(1.0 / rho) - 1.0).abs() < 0.01);
+        }
+    }
+
+    #[test]
+    fn values_that_are_no_wormhole_are_told_by_their_key() {
+        for (values, key) in [
+            ([1.0, 41.0, 1.0], "throat_length"),
+            ([1.0, f64::NAN, 1.0], "throat_length"),
+            ([1.0, -1.0, 1.0], "throat_length"),
+            ([1.0, 1.0, 0.0], "lensing_width"),
+            ([1.0, 1.0, f64::NAN], "lensing_width"),
+            ([1.0, 1.0, 1e3], "lensing_width"),
+        ] {
+            let (problem, remedy) = Interstellar::conflict(&values).unwrap();
+            assert!(problem.contains(key) && remedy.contains(key), "{problem}; {remedy}");
+            // Nor do they panic or take long.
+            let hole = <Interstellar as Named>::new(&values);
+            let _ = (hole.index(0.3), hole.isotropic_radius(2.0), hole.proper_radius(2.0));
+        }
+    }
+}

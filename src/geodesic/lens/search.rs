@@ -48,6 +48,8 @@ impl Lens {
         let most = PI - critical(near) - critical(far);
         let guess =
             if swept < 0.9 * most { self.guess(near, far, swept, libm::tan(0.5 * swept)) } else { swept };
+        // Of a wide lens the bending is not weak at all.
+        let guess = if guess > 0.0 { guess } else { 0.5 * swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
         root((0.0, most, guess), self.enough, &SameSideRays { lens: self, near, far, swept })
             .map(|track| oriented(track, reversed))

@@ -69,7 +69,7 @@ impl Region {
     /// is not small.
     pub fn small(middle: DVec3, shifts: &[DVec3; 3], margin: f64) -> Option<Self> {
         let points = shifts.map(|shift| [(middle + shift).normalize(), (middle - shift).normalize()]);
-        let ellipse = Ellipse::about(middle, points.as_flattened(), margin)?;
+        let ellipse = Ellipse::about(middle, points.as_flattened(), ARC_WIDER, margin)?;
         (ellipse.reach.x <= LARGE).then_some(Self::Ellipse(ellipse))
     }
 

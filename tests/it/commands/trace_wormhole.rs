@@ -13,9 +13,9 @@ fn folder(text: &str) -> Folder {
 }
 
 /// The rows that `trace` writes for a table at a tolerance.
-fn traced(place: &Folder, tolerance: &str, stepper: &str) -> Vec<Row> {
+fn traced(place: &Folder, spacetime: &str, tolerance: &str, stepper: &str) -> Vec<Row> {
     let flags = ["--tolerance", tolerance, "--stepper", stepper, "-o", "out.csv"];
-    let command = [&["trace", "--spacetime", "ellis-wormhole", "rays.csv"], &flags[..]].concat();
+    let command = [&["trace", "--spacetime", spacetime, "rays.csv"], &flags[..]].concat();
     assert_code(&place.run(&command), 0);
     place.rows("out.csv")
 }
@@ -37,7 +37,7 @@ fn tables_of_wormholes_are_followed_to_the_tolerance_in_both_conventions() {
         for (tolerance, stepper) in
             [("1e-3", "rkn6"), ("1e-5", "rkn6"), ("1e-8", "rkn6"), ("1e-10", "dop853")]
         {
-            let found = traced(&place, tolerance, stepper);
+            let found = traced(&place, "ellis-wormhole", tolerance, stepper);
             assert_eq!(found.len(), exact.len());
             let (mut worst, allowed) = (0.0f64, tolerance.parse::<f64>().unwrap());
             for (found, exact) in found.iter().zip(&exact) {
@@ -72,6 +72,62 @@ fn tables_of_wormholes_are_followed_to_the_tolerance_in_both_conventions() {
             }
             println!("{name} at {tolerance}: worst {worst:.3} of what is allowed");
         }
+    }
+}
+
+#[test]
+fn the_table_of_interstellars_wormhole_is_followed_to_the_tolerance() {
+    let name = "dneg_wormhole_rays.csv";
+    let (place, exact) = (folder(&data(name)), table(name));
+    for (tolerance, stepper) in
+        [("1e-3", "rkn6"), ("1e-5", "rkn6"), ("1e-8", "rkn6"), ("1e-8", "dop853"), ("1e-10", "dop853")]
+    {
+        let found = traced(&place, "interstellar-wormhole", tolerance, stepper);
+        assert_eq!(found.len(), exact.len());
+        let (mut worst, allowed) = (0.0f64, tolerance.parse::<f64>().unwrap());
+        for (found, exact) in found.iter().zip(&exact) {
+            let what = format!("row {} ({}) at {tolerance}", exact.text("id"), exact.text("kind"));
+            assert_eq!(found.number("side"), exact.number("side"), "{what}");
+            let distance = |columns: [&str; 3]| found.vector(columns).distance(exact.vector(columns));
+            let (sens, eps) = (exact.number("sens"), exact.number("eps"));
+            let off = distance(["nx1", "ny1", "nz1"]).max(distance(["dx1", "dy1", "dz1"]));
+            let share = off / ((allowed + 1e-15) * sens);
+            worst = worst.max(share);
+            assert!(share <= 1.0, "{what}: off by {off:e}, sens {sens}");
+            let time = (found.number("t") / exact.number("t") - 1.0).abs();
+            assert!(time <= 2.0 * (allowed + 2e-9) * sens, "{what}: time {time:e}");
+            let swept = (found.number("phi") - exact.number("phi")).abs();
+            assert!(swept <= 2.0 * (allowed + 1e-15) * sens, "{what}: swept {swept:e}");
+            assert!((found.number("h") / exact.number("h") - 1.0).abs() < 1e-12, "{what}");
+            assert!((found.number("eps") - eps).abs() < 1e-12, "{what}");
+            let is_reflected = !exact.text("l_turn").is_empty();
+            assert_eq!(!found.text("l_turn").is_empty(), is_reflected, "{what}");
+            if is_reflected {
+                let turn = found.number("l_turn") - exact.number("l_turn");
+                assert!(
+                    turn.abs() < (allowed + 1e-12) * exact.number("l_turn").max(1.0),
+                    "{what}: turns {turn:e} off"
+                );
+            }
+        }
+        println!("{stepper} at {tolerance}: worst {worst:.3} of what is allowed");
+    }
+}
+
+#[test]
+fn the_starts_and_the_throats_of_tables_are_checked() {
+    for (columns, values, what) in [
+        ("rho,a,W,l0,nx0,ny0,nz0", "1,1,1,3,0,0,0", "direction from the centre"),
+        ("rho,a,W,l0,nx0,ny0,nz0", "1,700,1,3,0,0,1", "throat_length"),
+        ("rho,a,W,l0,nx0,ny0,nz0", "1,-1,1,3,0,0,1", "throat length"),
+        ("rho,a,W,l0,nx0,ny0,nz0", "1,1,0,3,0,0,1", "lensing_width"),
+        ("rho,a,W,x0,y0,z0,l0,nx0,ny0,nz0", "1,1,1,3,0,0,3,0,0,1", "one start"),
+    ] {
+        let place = folder(&format!("{columns},dx0,dy0,dz0,L\n{values},1,0,0,5\n"));
+        let output = place.run(&["trace", "--spacetime", "interstellar-wormhole", "rays.csv"]);
+        assert_code(&output, 2);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(text.contains(what), "{text}");
     }
 }
 

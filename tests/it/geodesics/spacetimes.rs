@@ -20,8 +20,7 @@ fn media() -> Vec<(String, Metric)> {
         let mut values = vec![Vec::new()];
         for parameter in entry.parameters {
             let choices = match parameter.range {
-                Range::Length => vec![1.7],
-                Range::Extent => vec![0.0, 1.7],
+                Range::Length | Range::Extent => vec![1.7],
                 Range::Ratio { least, most, .. } => vec![least, 0.3 * least, 0.0, 0.99 * most, most],
             };
             let longer =

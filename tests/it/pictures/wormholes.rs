@@ -2,8 +2,8 @@
 
 use crate::support::lit::{Agreement, disk, picture};
 use crate::support::{
-    Random, camera, closed_box, far, film, material, mean_red, mesh, red_range, render, scene_file,
-    scene_path, scene_with, sphere, vector, wormhole,
+    Random, camera, closed_box, far, film, interstellar, material, mean_red, mesh, red_range, render,
+    scene_file, scene_path, scene_with, sphere, vector, wormhole,
 };
 use glam::DVec3;
 use tempfile::TempDir;
@@ -15,13 +15,25 @@ use warpfront::trace::Run;
 /// The far mouth of the furnaces.
 const BEYOND: DVec3 = DVec3::new(5.0, 1.0, -2.0);
 
+/// Throats of the furnaces: Ellis's, and Interstellar's, of a radius, a length and a lensing width.
+const THROATS: [Option<[f64; 3]>; 4] =
+    [None, Some([0.8, 0.8, 0.5]), Some([0.8, 0.0, 1.5]), Some([0.5, 0.3, 0.03])];
+
+/// A wormhole about the origin of a throat of the furnaces.
+fn around_origin(throat: Option<[f64; 3]>, place: &str) -> String {
+    match throat {
+        None => wormhole(DVec3::ZERO, 1.0, place),
+        Some(lengths) => interstellar(DVec3::ZERO, lengths, place),
+    }
+}
+
 /// Closed rooms of albedo and emission ½ around both mouths, with balls close to them; the camera is on either side.
-fn furnace(is_far: bool, settings: &str) -> Baked {
+fn furnace(throat: Option<[f64; 3]>, is_far: bool, settings: &str) -> Baked {
     let place = format!("far_center = {}\nfar_rotate = [10, 200, 30]\n", vector(BEYOND));
     let eye = DVec3::new(1.2, 0.3, -1.7);
     let view =
         camera(if is_far { BEYOND + eye } else { eye }, if is_far { BEYOND } else { DVec3::ZERO }, 100.0);
-    let text = wormhole(DVec3::ZERO, 1.0, &place)
+    let text = around_origin(throat, &place)
         + &if is_far { far(&view) } else { view }
         + &film(16, 16)
         + settings
@@ -37,9 +49,10 @@ fn furnace(is_far: bool, settings: &str) -> Baked {
 #[test]
 fn closed_rooms_around_both_mouths_have_radiance_one_everywhere() {
     let whole = "[render]\nspp = 4\nmax_depth = 400\nroulette_depth = 400\nlight_sampling = \"off\"\n";
-    for is_far in [false, true] {
-        let (low, high) = red_range(&render(&furnace(is_far, whole), &Run::default()));
-        assert!((low - 1.0).abs() < 1e-6 && (high - 1.0).abs() < 1e-6, "{is_far}: from {low} to {high}");
+    for (throat, is_far) in THROATS.into_iter().flat_map(|throat| [(throat, false), (throat, true)]) {
+        let (low, high) = red_range(&render(&furnace(throat, is_far, whole), &Run::default()));
+        let what = format!("{throat:?}, far {is_far}: from {low} to {high}");
+        assert!((low - 1.0).abs() < 1e-6 && (high - 1.0).abs() < 1e-6, "{what}");
     }
 }
 
@@ -48,22 +61,30 @@ fn light_sampling_through_the_throat_keeps_the_mean_of_a_furnace() {
     for winding in [0, 1, 3] {
         let settings =
             format!("[render]\nspp = 64\nmax_depth = 400\nroulette_depth = 5\nmax_winding = {winding}\n");
-        for is_far in [false, true] {
-            let mean = mean_red(&render(&furnace(is_far, &settings), &Run::default()));
-            println!("winding numbers up to {winding}, far {is_far}: {mean}");
-            assert!((mean - 1.0).abs() < 3e-3, "winding numbers up to {winding}, far {is_far}: {mean}");
+        for (throat, is_far) in THROATS.into_iter().flat_map(|throat| [(throat, false), (throat, true)]) {
+            let mean = mean_red(&render(&furnace(throat, is_far, &settings), &Run::default()));
+            let what = format!("{throat:?}, winding numbers up to {winding}, far {is_far}: {mean}");
+            println!("{what}");
+            assert!((mean - 1.0).abs() < 3e-3, "{what}");
         }
     }
 }
 
 /// Two rooms that a wormhole joins, with lights on either side or both, and other things at random places.
-fn rooms(random: &mut Random, number: u64) -> Baked {
+fn rooms(random: &mut Random, number: u64, is_ellis: bool) -> Baked {
     let b0 = random.between(2.0, 6.0);
     let (near, beyond) = (3.0 * random.in_cube(), 50.0 * random.in_cube());
     let angles = 180.0 * random.in_cube();
     let place = format!("far_center = {}\nfar_rotate = {}\n", vector(beyond), vector(angles));
     let eye = near + (b0 + 3.0) * random.direction();
-    let mut text = wormhole(near, b0, &place)
+    let spacetime = if is_ellis {
+        wormhole(near, b0, &place)
+    } else {
+        let radius = 0.5 * b0;
+        let lengths = [radius, radius * random.between(0.0, 2.0), radius * random.log_between(0.05, 2.0)];
+        interstellar(near, lengths, &place)
+    };
+    let mut text = spacetime
         + &camera(eye, near, 90.0)
         + &film(32, 32)
         + "[render]\nmax_depth = 5\nroulette_depth = 3\nsampler = \"independent\"\n"
@@ -90,24 +111,34 @@ fn rooms(random: &mut Random, number: u64) -> Baked {
 
 #[test]
 fn rooms_with_wormholes_look_the_same_with_and_without_light_sampling() {
-    let mut squares = 0.0;
-    for number in 0..12 {
-        let mut scene = rooms(&mut Random::new(700 + number), number);
-        let with = picture(&mut scene, Geodesic, 32, 2 * number + 1);
-        let without = picture(&mut scene, Off, 128, 2 * number);
-        let agreement = Agreement::of(&with, &without);
-        agreement.check(&format!("{number}"));
-        squares += agreement.z.powi(2);
+    for (is_ellis, count) in [(true, 12), (false, 6)] {
+        let mut squares = 0.0;
+        for number in 0..count {
+            let mut scene = rooms(&mut Random::new(700 + number), number, is_ellis);
+            let with = picture(&mut scene, Geodesic, 32, 2 * number + 1);
+            let without = picture(&mut scene, Off, 128, 2 * number);
+            let agreement = Agreement::of(&with, &without);
+            agreement.check(&format!("{number}, Ellis {is_ellis}"));
+            squares += agreement.z.powi(2);
+        }
+        let count = count as f64;
+        assert!(squares / count < 1.5 + 3.0 * (2.0 / count).sqrt(), "{squares}, Ellis {is_ellis}");
     }
-    assert!(squares / 12.0 < 1.5 + 3.0 * (2.0 / 12f64).sqrt(), "{squares}");
 }
+
+/// Overrides that make a wormhole Interstellar's.
+const INTERSTELLAR: &str =
+    "spacetime.kind=\"interstellar-wormhole\" spacetime.throat_length=0.5 spacetime.lensing_width=0.4";
 
 #[test]
 fn wormholes_have_the_same_bits_by_both_schedules() {
     let common = ["film.width=24", "film.height=18", "render.spp=4"];
-    for more in ["render.stepper=\"rkn6\"", "render.precision=\"f32\"", "spacetime.throat_radius=0.3"] {
+    for more in
+        ["render.stepper=\"rkn6\"", "render.precision=\"f32\"", "spacetime.throat_radius=0.3", INTERSTELLAR]
+    {
         let bits = |schedule: &str| -> Vec<u32> {
-            let overrides = [&common[..], &[more, schedule]].concat();
+            let mut overrides = [&common[..], &[schedule]].concat();
+            overrides.extend(more.split(' '));
             let scene = scene_file(&scene_path("wormhole_rooms.toml"), &overrides);
             let aovs = vec![Aov::Depth, Aov::Position, Aov::Side, Aov::Steps];
             let image = render(&scene, &Run { aovs, ..Run::default() }).image;
@@ -180,6 +211,31 @@ fn error(text: &str) -> String {
         Ok(_) => panic!("no error"),
         Err(error) => error.to_string(),
     }
+}
+
+#[test]
+fn a_throat_that_numbers_cannot_tell_is_an_error_that_names_its_key() {
+    let ball = material("white", 0.5, 1.0) + &sphere(DVec3::new(3.0, 0.0, 0.0), 0.4, "white");
+    let rest = camera(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, 60.0) + &ball;
+    for (lengths, key) in [
+        ([1.0, -1.0, 0.5], "throat_length"),
+        ([1.0, f64::INFINITY, 0.5], "throat_length"),
+        ([1.0, f64::NAN, 0.5], "throat_length"),
+        ([1.0, 1400.0, 0.5], "throat_length"),
+        ([1.0, 1.0, 0.0], "lensing_width"),
+        ([1.0, 1.0, -0.5], "lensing_width"),
+        ([1.0, 1.0, f64::NAN], "lensing_width"),
+        ([1.0, 1.0, 1e9], "lensing_width"),
+        ([-1.0, 1.0, 0.5], "throat_radius"),
+    ] {
+        let told = error(&(interstellar(DVec3::ZERO, lengths, "") + &rest));
+        assert!(told.contains(key), "{lengths:?}: {told}");
+    }
+    let short =
+        "[spacetime]\nkind = \"interstellar-wormhole\"\nthroat_radius = 1\nlensing_width = 1\n".to_owned();
+    assert!(error(&(short + &rest)).contains("throat_length"));
+    // No throat is no wormhole.
+    scene_with(&(interstellar(DVec3::ZERO, [0.0, 1.0, 0.5], "") + &rest), &[]);
 }
 
 #[test]

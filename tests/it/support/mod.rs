@@ -113,6 +113,14 @@ pub fn wormhole(center: DVec3, throat_radius: f64, keys: &str) -> String {
     )
 }
 
+/// `[spacetime]` of Interstellar's wormhole, of a throat radius, a throat length and a lensing width, with further keys.
+pub fn interstellar(center: DVec3, [radius, length, width]: [f64; 3], keys: &str) -> String {
+    format!(
+        "[spacetime]\nkind = \"interstellar-wormhole\"\ncenter = {}\nthroat_radius = {radius:?}\nthroat_length = {length:?}\nlensing_width = {width:?}\n{keys}",
+        vector(center)
+    )
+}
+
 /// The entity or camera of a text, on the far side.
 pub fn far(text: &str) -> String {
     text.to_owned() + "side = \"far\"\n"
