@@ -39,14 +39,24 @@ pub struct FieldConnection {
     pub miss: f64,
 }
 
+/// What is asked of a connection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JoinLimits {
+    /// Distance from the target by which the ray may miss; radians if that is at infinity.
+    pub enough: f64,
+    /// Correction of the direction, radians, that is taken without another look at where it leads.
+    pub linear: f64,
+    /// Corrections of the direction at most.
+    pub corrections: u32,
+}
+
 /// Angle between a ray and those beside it, radians.
 const BESIDE: f64 = 1e-7;
 /// Rays that stand for one and its derivatives.
 const RAYS: usize = 4;
 /// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
 const AFAR: f64 = 1e-5;
-/// Corrections of a direction at most, and halvings of a correction that makes it worse.
-const MOST_CORRECTIONS: u32 = 10;
+/// Halvings of a correction that makes it worse.
 const MOST_HALVINGS: u32 = 3;
 /// Largest correction, radians.
 const LARGEST: f64 = 0.5;
@@ -71,20 +81,27 @@ impl FieldConnection {
     }
 }
 
-/// The ray from `x` to `target` that Newton's method finds from the unit direction `guess`, such that it misses by no more
-/// than `enough`; `None` if it finds none.
+/// The ray from `x` to `target` that Newton's method finds from the unit direction `guess`, within `limits`; `None` if it
+/// finds none.
 pub fn join_in_field(
     field: &impl IndexField,
     control: &FieldControl,
     (x, guess): (DVec3, DVec3),
     target: FieldTarget,
-    enough: f64,
+    limits: JoinLimits,
 ) -> Option<FieldConnection> {
     // A ray that winds passes its target several times: of the guess, the nearest passage counts, then the same one.
     let mut here = shoot(field, control, (x, guess), target, None)?;
-    for _ in 0..MOST_CORRECTIONS {
-        if here.connection.miss <= enough {
+    for left in (0..=limits.corrections).rev() {
+        if here.connection.miss <= limits.enough {
             return Some(here.connection);
+        }
+        if here.correction.length() <= limits.linear {
+            let direction = (here.connection.direction + here.correction).normalize();
+            return Some(FieldConnection { direction, ..here.connection });
+        }
+        if left == 0 {
+            return None;
         }
         let correction = here.correction.clamp_length_max(LARGEST);
         let mut part = 1.0;

@@ -1,13 +1,20 @@
 //! Rays that join two places of a field: those of one hole, back and forth, in flat space, and how many of all are found.
 
 use crate::support::Random;
-use warpfront::geodesic::{FieldConnection, FieldControl, FieldTarget, Lens, Site, join_in_field};
+use warpfront::geodesic::{
+    FieldConnection, FieldControl, FieldTarget, JoinLimits, Lens, Site, join_in_field,
+};
 use warpfront::light::{FieldAim, FieldWay};
 use warpfront::spacetime::{Hole, IndexField, ReissnerNordstrom, SeveralHoles};
 
 /// Control of rays whose directions are off by about `tolerance`.
 fn control(field: &impl IndexField, farthest: f64, tolerance: f64) -> FieldControl {
     FieldControl::new(field, farthest, tolerance, f64::INFINITY)
+}
+
+/// A true connection that misses by `enough` at most.
+fn limits(enough: f64) -> JoinLimits {
+    JoinLimits { enough, linear: 0.0, corrections: 10 }
 }
 
 /// Holes at random places, with random masses.
@@ -64,7 +71,7 @@ fn rays_among_several_holes_and_their_geometry_factors_are_the_same_back_and_for
         for (way, _) in aim.ways(x, FieldTarget::Place(y)) {
             let Some(there) = aim.image(&control, (x, FieldTarget::Place(y)), way, enough) else { continue };
             let back = (y, -there.arrival);
-            let back = join_in_field(&field, &control, back, FieldTarget::Place(x), enough).unwrap();
+            let back = join_in_field(&field, &control, back, FieldTarget::Place(x), limits(enough)).unwrap();
             assert!(back.arrival.distance(-there.direction) < 1e-6, "{x} to {y} {way:?}");
             // Areas of the optical metric, n² times those of the chart.
             let [there, back] = [(there, y), (back, x)]
@@ -107,7 +114,7 @@ fn few_of_the_rays_that_join_two_places_among_several_holes_are_missed() {
             |links: &[FieldConnection]| -> f64 { links.iter().map(FieldConnection::geometry_factor).sum() };
         let found = light(&all);
         for _ in 0..400 {
-            let chance = join_in_field(&field, &control, (x, random.direction()), target, enough);
+            let chance = join_in_field(&field, &control, (x, random.direction()), target, limits(enough));
             let is_new = |link: &FieldConnection| {
                 all.iter().all(|other| other.direction.distance(link.direction) > 1e-3)
             };
