@@ -144,7 +144,24 @@ impl<F: IndexField> FieldView<'_, F> {
         // Of a sphere, the disk across the ray is seen.
         let [a, b] = link.across;
         let half_axes = if is_round { [self.size * a, self.size * b, DVec3::ZERO] } else { half_axes };
-        Region::small(link.direction, &half_axes.map(|axis| link.turned(axis)), MARGIN)
+        let shifts = half_axes.map(|axis| link.turned(axis));
+        let beside =
+            shifts.map(|shift| [(link.direction + shift).normalize(), (link.direction - shift).normalize()]);
+        Region::about(link.direction, beside.as_flattened(), self.pole(way), MARGIN)
+    }
+
+    /// Pole of sectors: the hole that rays go around, or the one that bends the near one most.
+    fn pole(&self, way: FieldWay) -> DVec3 {
+        let aim = &self.regions.aim;
+        let hole = match way {
+            FieldWay::Around(hole, _) | FieldWay::Beside(hole) => Some(aim.hole(hole)),
+            FieldWay::Near => {
+                let bends = |(center, photon_sphere): &(DVec3, f64)| photon_sphere / self.x.distance(*center);
+                let holes = (0..aim.holes()).map(|hole| aim.hole(hole));
+                holes.max_by(|a, b| bends(a).total_cmp(&bends(b)))
+            }
+        };
+        hole.map_or(DVec3::Z, |(center, _)| (center - self.x).normalize_or(DVec3::Z))
     }
 
     /// Probability of the near region.

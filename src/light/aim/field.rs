@@ -78,7 +78,12 @@ impl<F: IndexField> FieldAim<F> {
         iter::once((FieldWay::Near, 1.0)).chain(around).chain(beside)
     }
 
-    /// Center and radius of the photon sphere of the hole with this index.
+    /// Number of holes.
+    pub fn holes(&self) -> usize {
+        self.holes.len()
+    }
+
+    /// Centre and radius of the photon sphere of the hole with this index.
     pub fn hole(&self, index: usize) -> (DVec3, f64) {
         let hole = &self.holes[index];
         (hole.center, hole.metric.photon_sphere())
