@@ -50,8 +50,11 @@ pub struct JoinLimits {
     pub corrections: u32,
 }
 
-/// Angle between a ray and those beside it, radians.
-const BESIDE: f64 = 1e-7;
+/// Angle between a ray and those beside it, radians, at least and at most: small for the sake of rays that diverge fast,
+/// larger where the target is so near, relative to its distance from the origin, that rounding would show.
+const BESIDE: [f64; 2] = [1e-7, 1e-5];
+/// That angle over the distance from the origin, relative to that of the target from the start.
+const ROUNDING: f64 = 1e-9;
 /// Rays that stand for one and its derivatives.
 const RAYS: usize = 4;
 /// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
@@ -133,11 +136,16 @@ fn shoot(
     passage: Option<u32>,
 ) -> Option<FieldShot> {
     let (u, v) = tangents(direction);
+    let angle = match target {
+        FieldTarget::Place(y) => ROUNDING * x.length().max(y.length()) / x.distance(y),
+        FieldTarget::Infinity(_) => 0.0,
+    };
+    let angle = angle.clamp(BESIDE[0], BESIDE[1]);
     let mut starts = [[0.0; RAYS]; 3];
     let mut directions = [[0.0; RAYS]; 3];
     for (l, beside) in [u, -u, v, -v].into_iter().enumerate() {
         set_lane(&mut starts, l, x);
-        set_lane(&mut directions, l, direction + BESIDE * beside);
+        set_lane(&mut directions, l, direction + angle * beside);
     }
     let flying = Flying { field, control, starts: &starts, directions: &directions, target, passage };
     let (end, passage) = widest(flying)?;
@@ -149,7 +157,7 @@ fn shoot(
     };
     let (a, b) = tangents(arrival);
     let along = |offset: DVec3| DVec2::new(a.dot(offset), b.dot(offset));
-    let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * BESIDE);
+    let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * angle);
     let inverse = DMat2::from_cols(rate(0), rate(2)).inverse();
     let turn = |shift: DVec2| {
         let turn = inverse * shift;
@@ -273,6 +281,7 @@ fn beside(
     near: f64,
 ) -> FieldRays<RAYS> {
     let (before, behind) = (left(start), left(&whole.end));
+    let (mut low, mut high) = (0.0, h);
     let mut part = h * before / (before - behind);
     let mut passing = step(start, part);
     for _ in 0..MOST_IMPROVEMENTS {
@@ -281,8 +290,10 @@ fn beside(
         if further * further * p2 <= near * near {
             break;
         }
+        (low, high) = if further > 0.0 { (part, high) } else { (low, part) };
         // |dx/dτ| = n/(1 − β·Y)².
-        part = (part + further * passing.ahead[0] * passing.ahead[0]).clamp(0.0, h);
+        part += further * passing.ahead[0] * passing.ahead[0];
+        part = if low < part && part < high { part } else { 0.5 * (low + high) };
         passing = step(start, part);
     }
     passing.end

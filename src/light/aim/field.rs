@@ -3,7 +3,7 @@
 //! How many rays join two places is not known beforehand. Newton's method is started from the exact aim of each hole taken
 //! alone (the others as a constant potential), for each winding number, and from the sum of what all holes do to the
 //! straight direction, of which one or none is gone around. What no start leads to is missed: among two to four holes within
-//! some dozen of their radii, 2 % of the light.
+//! some dozen of their radii, 1 % of the light.
 
 use std::iter;
 
