@@ -147,8 +147,8 @@ fn shoot(
         set_lane(&mut starts, l, x);
         set_lane(&mut directions, l, direction + angle * beside);
     }
-    let flying = Flying { field, control, starts: &starts, directions: &directions, target, passage };
-    let (end, passage) = widest(flying)?;
+    let shot = ShotRays { field, control, starts: &starts, directions: &directions, target, passage };
+    let (end, passage) = widest(shot)?;
     let momentum = |l: usize| lane(&end.p, l);
     let arrival = mean(momentum).normalize();
     let off = |l: usize| match target {
@@ -185,7 +185,7 @@ fn mean(of: impl Fn(usize) -> DVec3) -> DVec3 {
 }
 
 /// Rays beside each other, to be followed to where they are nearest to a target.
-struct Flying<'a, F> {
+struct ShotRays<'a, F> {
     field: &'a F,
     control: &'a FieldControl,
     starts: &'a [[f64; RAYS]; 3],
@@ -195,7 +195,7 @@ struct Flying<'a, F> {
     passage: Option<u32>,
 }
 
-impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
+impl<F: IndexField> pulp::NullaryFnOnce for ShotRays<'_, F> {
     type Output = Option<(FieldRays<RAYS>, u32)>;
 
     #[inline(always)]
