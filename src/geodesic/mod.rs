@@ -32,7 +32,7 @@ pub use dopri5::Dopri5;
 pub(crate) use field::elapsed_in_field;
 pub use field::{
     FieldConnection, FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldTarget, FieldVerdict,
-    alone, follow_field, join_in_field,
+    JoinLimits, alone, follow_field, join_in_field,
 };
 pub(crate) use field::{at_infinity, lane, set_lane};
 pub use follow::{Journey, OrbitEnd, follow, until};

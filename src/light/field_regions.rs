@@ -7,14 +7,14 @@
 
 use glam::DVec3;
 
-use super::aim::field::{FieldAim, FieldWay};
+use super::aim::field::{FieldAim, FieldWay, LEAST_AROUND};
 use super::emitter::{Emitter, Extent};
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
 use super::regions::shape::Region;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sampler::LightSampler;
-use crate::geodesic::{FieldConnection, FieldControl, FieldTarget};
+use crate::geodesic::{FieldConnection, FieldControl, FieldTarget, JoinLimits};
 use crate::spacetime::{AtInfinity, IndexField};
 
 /// Light sampling in a field.
@@ -54,8 +54,11 @@ struct Around {
 const TOLERANCES: [f64; 2] = [1e-6, 1e-3];
 /// Distance, relative to the target's, by which a ray to a point may miss.
 const ENOUGH: f64 = 1e-6;
-/// Part of a light's size by which a ray to its middle may miss.
+/// Part of a light's size by which a ray to its middle may miss, correction of its direction that need not be checked,
+/// radians, and corrections at most: what a region then misses is little.
 const PART: f64 = 0.2;
+const LINEAR: f64 = 0.03;
+const CORRECTIONS: u32 = 4;
 /// Margin of a region, radians.
 const MARGIN: f64 = 0.002;
 /// Smallest distance of a receiver from the middle of a light, relative to the light's size.
@@ -106,7 +109,11 @@ impl<F: IndexField> FieldRegions<F> {
         let spread = |region: &Region| (region.area() / std::f64::consts::PI).sqrt().min(1.0);
         let mut sum = view.near.as_ref().map_or(0.0, |near| facing(near.middle(), spread(near)));
         for (way, weight) in self.aim.ways(x, target) {
+            // Where little light comes around, looking for it costs more than it helps.
             let FieldWay::Around(hole, 1) = way else { continue };
+            if weight <= LEAST_AROUND {
+                continue;
+            }
             let (center, photon_sphere) = self.aim.hole(hole);
             let (to_hole, beyond) = (x.distance(center), extent.middle.distance(center));
             // Those that are bent least are as far out as Einstein's ring.
@@ -132,11 +139,29 @@ impl<F: IndexField> FieldView<'_, F> {
         let FieldRegions { aim, rough, .. } = self.regions;
         let Extent { middle, half_axes, is_round } = self.extent;
         let ends = (self.x, FieldTarget::Place(middle));
-        let link = aim.connect(rough, ends, way, PART * self.size)?;
+        let limits = JoinLimits { enough: PART * self.size, linear: LINEAR, corrections: CORRECTIONS };
+        let link = aim.connect(rough, ends, way, limits)?;
         // Of a sphere, the disk across the ray is seen.
         let [a, b] = link.across;
         let half_axes = if is_round { [self.size * a, self.size * b, DVec3::ZERO] } else { half_axes };
-        Region::small(link.direction, &half_axes.map(|axis| link.turned(axis)), MARGIN)
+        let shifts = half_axes.map(|axis| link.turned(axis));
+        let beside =
+            shifts.map(|shift| [(link.direction + shift).normalize(), (link.direction - shift).normalize()]);
+        Region::about(link.direction, beside.as_flattened(), Some(self.pole(way)), MARGIN)
+    }
+
+    /// Pole of sectors: the hole that rays go around, or the one that bends the near one most.
+    fn pole(&self, way: FieldWay) -> DVec3 {
+        let aim = &self.regions.aim;
+        let hole = match way {
+            FieldWay::Around(hole, _) | FieldWay::Beside(hole) => Some(aim.hole(hole)),
+            FieldWay::Near => {
+                let bends = |(center, photon_sphere): &(DVec3, f64)| photon_sphere / self.x.distance(*center);
+                let holes = (0..aim.holes()).map(|hole| aim.hole(hole));
+                holes.max_by(|a, b| bends(a).total_cmp(&bends(b)))
+            }
+        };
+        hole.map_or(DVec3::Z, |(center, _)| (center - self.x).normalize_or(DVec3::Z))
     }
 
     /// Probability of the near region.

@@ -16,7 +16,10 @@ pub(super) struct FieldOutline {
     pub(super) radius: f64,
 }
 
-/// All outlines. A hole is a point of the chart: its disk is where rays that go in are captured.
+/// Radius of the disk that stands for a hole, which is a point of the chart, in radii of its photon sphere.
+const DISK: f64 = 0.15;
+
+/// All outlines.
 pub(super) fn field_outlines(medium: &IndexMedium) -> Vec<FieldOutline> {
     let spheres = |name, style: fn() -> Style, radius: fn(&Sink) -> f64| {
         medium.sinks().iter().map(move |sink| {
@@ -26,7 +29,8 @@ pub(super) fn field_outlines(medium: &IndexMedium) -> Vec<FieldOutline> {
     };
     let photon_spheres =
         spheres("photon sphere, about", || Style::dashed(Color::BLACK, 1.6), |sink| sink.photon_sphere);
-    let holes = spheres("hole", || Style::area(Color::BLACK), |sink| sink.captures);
+    let holes =
+        spheres("hole (not to scale)", || Style::area(Color::BLACK), |sink| DISK * sink.photon_sphere);
     let lens = |lens: &GradedLens| {
         let (name, radius) = match *lens {
             GradedLens::Gaussian { width, .. } => ("lens, to its width", width),

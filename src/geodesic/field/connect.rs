@@ -39,14 +39,27 @@ pub struct FieldConnection {
     pub miss: f64,
 }
 
-/// Angle between a ray and those beside it, radians.
-const BESIDE: f64 = 1e-7;
+/// What is asked of a connection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JoinLimits {
+    /// Distance from the target by which the ray may miss; radians if that is at infinity.
+    pub enough: f64,
+    /// Correction of the direction, radians, that is taken without another look at where it leads.
+    pub linear: f64,
+    /// Corrections of the direction at most.
+    pub corrections: u32,
+}
+
+/// Angle between a ray and those beside it, radians, at least and at most: small for the sake of rays that diverge fast,
+/// larger where the target is so near, relative to its distance from the origin, that rounding would show.
+const BESIDE: [f64; 2] = [1e-7, 1e-5];
+/// That angle over the distance from the origin, relative to that of the target from the start.
+const ROUNDING: f64 = 1e-9;
 /// Rays that stand for one and its derivatives.
 const RAYS: usize = 4;
 /// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
 const AFAR: f64 = 1e-5;
-/// Corrections of a direction at most, and halvings of a correction that makes it worse.
-const MOST_CORRECTIONS: u32 = 10;
+/// Halvings of a correction that makes it worse.
 const MOST_HALVINGS: u32 = 3;
 /// Largest correction, radians.
 const LARGEST: f64 = 0.5;
@@ -71,20 +84,27 @@ impl FieldConnection {
     }
 }
 
-/// The ray from `x` to `target` that Newton's method finds from the unit direction `guess`, such that it misses by no more
-/// than `enough`; `None` if it finds none.
+/// The ray from `x` to `target` that Newton's method finds from the unit direction `guess`, within `limits`; `None` if it
+/// finds none.
 pub fn join_in_field(
     field: &impl IndexField,
     control: &FieldControl,
     (x, guess): (DVec3, DVec3),
     target: FieldTarget,
-    enough: f64,
+    limits: JoinLimits,
 ) -> Option<FieldConnection> {
     // A ray that winds passes its target several times: of the guess, the nearest passage counts, then the same one.
     let mut here = shoot(field, control, (x, guess), target, None)?;
-    for _ in 0..MOST_CORRECTIONS {
-        if here.connection.miss <= enough {
+    for left in (0..=limits.corrections).rev() {
+        if here.connection.miss <= limits.enough {
             return Some(here.connection);
+        }
+        if here.correction.length() <= limits.linear {
+            let direction = (here.connection.direction + here.correction).normalize();
+            return Some(FieldConnection { direction, ..here.connection });
+        }
+        if left == 0 {
+            return None;
         }
         let correction = here.correction.clamp_length_max(LARGEST);
         let mut part = 1.0;
@@ -116,14 +136,19 @@ fn shoot(
     passage: Option<u32>,
 ) -> Option<FieldShot> {
     let (u, v) = tangents(direction);
+    let angle = match target {
+        FieldTarget::Place(y) => ROUNDING * x.length().max(y.length()) / x.distance(y),
+        FieldTarget::Infinity(_) => 0.0,
+    };
+    let angle = angle.clamp(BESIDE[0], BESIDE[1]);
     let mut starts = [[0.0; RAYS]; 3];
     let mut directions = [[0.0; RAYS]; 3];
     for (l, beside) in [u, -u, v, -v].into_iter().enumerate() {
         set_lane(&mut starts, l, x);
-        set_lane(&mut directions, l, direction + BESIDE * beside);
+        set_lane(&mut directions, l, direction + angle * beside);
     }
-    let flying = Flying { field, control, starts: &starts, directions: &directions, target, passage };
-    let (end, passage) = widest(flying)?;
+    let shot = ShotRays { field, control, starts: &starts, directions: &directions, target, passage };
+    let (end, passage) = widest(shot)?;
     let momentum = |l: usize| lane(&end.p, l);
     let arrival = mean(momentum).normalize();
     let off = |l: usize| match target {
@@ -132,7 +157,7 @@ fn shoot(
     };
     let (a, b) = tangents(arrival);
     let along = |offset: DVec3| DVec2::new(a.dot(offset), b.dot(offset));
-    let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * BESIDE);
+    let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * angle);
     let inverse = DMat2::from_cols(rate(0), rate(2)).inverse();
     let turn = |shift: DVec2| {
         let turn = inverse * shift;
@@ -160,7 +185,7 @@ fn mean(of: impl Fn(usize) -> DVec3) -> DVec3 {
 }
 
 /// Rays beside each other, to be followed to where they are nearest to a target.
-struct Flying<'a, F> {
+struct ShotRays<'a, F> {
     field: &'a F,
     control: &'a FieldControl,
     starts: &'a [[f64; RAYS]; 3],
@@ -170,7 +195,7 @@ struct Flying<'a, F> {
     passage: Option<u32>,
 }
 
-impl<F: IndexField> pulp::NullaryFnOnce for Flying<'_, F> {
+impl<F: IndexField> pulp::NullaryFnOnce for ShotRays<'_, F> {
     type Output = Option<(FieldRays<RAYS>, u32)>;
 
     #[inline(always)]
@@ -256,6 +281,7 @@ fn beside(
     near: f64,
 ) -> FieldRays<RAYS> {
     let (before, behind) = (left(start), left(&whole.end));
+    let (mut low, mut high) = (0.0, h);
     let mut part = h * before / (before - behind);
     let mut passing = step(start, part);
     for _ in 0..MOST_IMPROVEMENTS {
@@ -264,8 +290,10 @@ fn beside(
         if further * further * p2 <= near * near {
             break;
         }
+        (low, high) = if further > 0.0 { (part, high) } else { (low, part) };
         // |dx/dτ| = n/(1 − β·Y)².
-        part = (part + further * passing.ahead[0] * passing.ahead[0]).clamp(0.0, h);
+        part += further * passing.ahead[0] * passing.ahead[0];
+        part = if low < part && part < high { part } else { 0.5 * (low + high) };
         passing = step(start, part);
     }
     passing.end

@@ -7,7 +7,7 @@ mod step;
 #[cfg(feature = "cli")]
 mod time;
 
-pub use connect::{FieldConnection, FieldTarget, join_in_field};
+pub use connect::{FieldConnection, FieldTarget, JoinLimits, join_in_field};
 pub use control::{FieldControl, FieldVerdict};
 pub(crate) use follow::at_infinity;
 pub use follow::{FieldEnd, FieldJourney, follow_field};

@@ -3,13 +3,13 @@
 //! How many rays join two places is not known beforehand. Newton's method is started from the exact aim of each hole taken
 //! alone (the others as a constant potential), for each winding number, and from the sum of what all holes do to the
 //! straight direction, of which one or none is gone around. What no start leads to is missed: among two to four holes within
-//! some dozen of their radii, 2 % of the light.
+//! some dozen of their radii, 1 % of the light.
 
 use std::iter;
 
 use glam::DVec3;
 
-use crate::geodesic::{FieldConnection, FieldControl, FieldTarget, Lens, Site, join_in_field};
+use crate::geodesic::{FieldConnection, FieldControl, FieldTarget, JoinLimits, Lens, Site, join_in_field};
 use crate::spacetime::{ConformallyFlat, IndexField, ReissnerNordstrom, Sink};
 
 /// Rays of a field between a place and a target.
@@ -41,9 +41,11 @@ pub enum FieldWay {
 /// Relative error of the aim of a hole taken alone.
 const TOLERANCE: f64 = 1e-6;
 /// Least weight, beside that of the near way, of a ray that goes around.
-const LEAST_AROUND: f64 = 0.02;
+pub const LEAST_AROUND: f64 = 0.02;
 /// Weight of rays that go around more than once.
 const REMOTE: f64 = 0.01;
+/// Corrections of a true connection at most.
+const CORRECTIONS: u32 = 10;
 /// Angle between rays that count as one, radians, and relative to that between rays that just pass for connections.
 const SAME: [f64; 2] = [1e-7, 10.0];
 
@@ -76,7 +78,12 @@ impl<F: IndexField> FieldAim<F> {
         iter::once((FieldWay::Near, 1.0)).chain(around).chain(beside)
     }
 
-    /// Center and radius of the photon sphere of the hole with this index.
+    /// Number of holes.
+    pub fn holes(&self) -> usize {
+        self.holes.len()
+    }
+
+    /// Centre and radius of the photon sphere of the hole with this index.
     pub fn hole(&self, index: usize) -> (DVec3, f64) {
         let hole = &self.holes[index];
         (hole.center, hole.metric.photon_sphere())
@@ -106,19 +113,19 @@ impl<F: IndexField> FieldAim<F> {
         }
     }
 
-    /// The ray along a way, if one is found, that misses its target by no more than `enough`.
+    /// The ray along a way, if one is found within `limits`.
     pub fn connect(
         &self,
         control: &FieldControl,
         (x, target): (DVec3, FieldTarget),
         way: FieldWay,
-        enough: f64,
+        limits: JoinLimits,
     ) -> Option<FieldConnection> {
         let guess = self.guess(x, target, way)?;
-        join_in_field(&self.field, control, (x, guess), target, enough)
+        join_in_field(&self.field, control, (x, guess), target, limits)
     }
 
-    /// The ray along a way, unless a way before leads to the same.
+    /// The ray along a way that misses its target by no more than `enough`, unless a way before leads to the same.
     pub fn image(
         &self,
         control: &FieldControl,
@@ -126,12 +133,13 @@ impl<F: IndexField> FieldAim<F> {
         way: FieldWay,
         enough: f64,
     ) -> Option<FieldConnection> {
-        let found = self.connect(control, ends, way, enough)?;
+        let limits = JoinLimits { enough, linear: 0.0, corrections: CORRECTIONS };
+        let found = self.connect(control, ends, way, limits)?;
         let spread = enough * (found.turns[0].length() + found.turns[1].length());
         let same = SAME[0] + SAME[1] * spread;
         let mut before = self.ways(ends.0, ends.1).map(|(way, _)| way).take_while(|before| *before != way);
         let is_known = before.any(|before| {
-            let other = self.connect(control, ends, before, enough);
+            let other = self.connect(control, ends, before, limits);
             other.is_some_and(|other| other.direction.distance(found.direction) <= same)
         });
         (!is_known).then_some(found)

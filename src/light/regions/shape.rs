@@ -65,14 +65,6 @@ impl Region {
         (region.area() < LARGEST).then_some(region)
     }
 
-    /// The region about the direction of a light's `middle` with these changes of direction to its sides; `None` if it
-    /// is not small.
-    pub fn small(middle: DVec3, shifts: &[DVec3; 3], margin: f64) -> Option<Self> {
-        let points = shifts.map(|shift| [(middle + shift).normalize(), (middle - shift).normalize()]);
-        let ellipse = Ellipse::about(middle, points.as_flattened(), ARC_WIDER, margin)?;
-        (ellipse.reach.x <= LARGE).then_some(Self::Ellipse(ellipse))
-    }
-
     /// Density of a direction that is drawn from it.
     pub fn density(&self, direction: DVec3) -> f64 {
         if self.holds(direction) { 1.0 / self.area() } else { 0.0 }

@@ -206,6 +206,27 @@ fn pictures_show_rays_hole_and_what_the_plane_cuts() {
 }
 
 #[test]
+fn pictures_show_several_holes_and_lenses() {
+    let holes = "kind = \"several-holes\"\n[[spacetime.hole]]\ncenter = [-2, 1, 0]\nmass = 0.4\n\
+        [[spacetime.hole]]\ncenter = [2, 1, 0]\nmass = 0.3\n";
+    let lenses = "kind = \"lenses\"\n\
+        [[spacetime.lens]]\nkind = \"luneburg\"\ncenter = [-2, 1, 0]\nradius = 1\n\
+        [[spacetime.lens]]\nkind = \"gaussian\"\ncenter = [4, 1, 0]\nwidth = 0.3\namplitude = 0.5\n";
+    let (_, rest) = SCENE.split_once("[camera]").unwrap();
+    for (spacetime, parts) in [
+        (holes, ["photon sphere, about", "hole (not to scale)", "captured ("]),
+        (lenses, ["lens", "lens, to its width", "escaped ("]),
+    ] {
+        let place = Folder::with(&[("scene.toml", &format!("[spacetime]\n{spacetime}[camera]{rest}"))]);
+        assert_good(&draw(&place, "rays.svg", &[]));
+        let svg = place.read("rays.svg");
+        for part in parts {
+            assert!(svg.contains(part), "{part} is missing");
+        }
+    }
+}
+
+#[test]
 fn bad_flags_are_refused_with_a_remedy() {
     let place = folder();
     let cases: &[(&str, &[&str], &[&str])] = &[
