@@ -1,21 +1,26 @@
 //! `warpfront bench`.
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use super::bench_args::BenchArgs;
 use super::completion::Completion;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::measure;
+use super::parse::Baseline;
 use super::prefixed::{StudyFiles, with_suffix};
 use super::progress::Meter;
 use super::say::{print, say, say_remarks};
 use super::shared_args::distinct;
 use super::units::plural;
 use super::{memory, overwrite};
+use crate::asset::Files;
 use crate::film::atomic::Output;
 use crate::scene::{self, Baked, LoadOptions};
-use crate::study::bench::{Bench, BenchRecord, Contender, Point, Race, Vary, VaryError, report};
+use crate::study::bench::{
+    Bench, BenchRecord, Contender, Point, Previous, PreviousError, Race, Vary, VaryError, report,
+};
 
 /// Races the wavefront against its baselines, prints what was found, and writes it if asked to.
 pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
@@ -29,6 +34,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
     let meter = Meter::new(args.meter.progress, format!("loading {}", path.display()), "renders");
     let options = LoadOptions { size: Some(args.size), ..args.scene.options()? };
     let mut scene = scene::load_with(path, &options)?;
+    let previous = previous(args, &options.files)?;
     if let Some((files, json)) = &outputs {
         overwrite::refuse(files.paths().chain([json.path()]), &options.files.inputs())?;
     }
@@ -42,9 +48,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
         None => (vec![scene], vec![base]),
     };
 
+    for previous in &previous {
+        previous.check(&points)?;
+    }
     meter.enter("rendering");
     let races = measure::run(Bench::new(scenes, points, contenders), args.rounds, meter)?;
-    let report = report(args.sweep, &races);
+    let report = report(args.sweep, &races, &previous);
     print(&format!("{}\n\n{}", conditions(args, &races), report.text))?;
     if let Some((files, json)) = outputs {
         let names = format!("{}, {}", files.names(), json.path().display());
@@ -62,7 +71,15 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
 
 /// Contenders of the race, the wavefront first.
 fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure> {
-    let contenders = [&[Contender::Wavefront][..], &distinct(&args.baseline)].concat();
+    let rendering: Vec<Contender> = args
+        .baseline
+        .iter()
+        .filter_map(|baseline| match baseline {
+            Baseline::Contender(contender) => Some(*contender),
+            Baseline::Previous(_) => None,
+        })
+        .collect();
+    let contenders = [&[Contender::Wavefront][..], &distinct(&rendering)].concat();
     if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())
         && scene.spacetime.is_flat()
     {
@@ -70,6 +87,21 @@ fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure
         return Err(Failure::new(message).help("give a scene with a hole, or --black-hole"));
     }
     Ok(contenders)
+}
+
+/// Records of builds before this one.
+fn previous(args: &BenchArgs, files: &Files) -> Result<Vec<Previous>, Failure> {
+    let read = |path: &PathBuf| {
+        let name = path.display().to_string();
+        let bytes =
+            files.read(path).map_err(|error| Failure::new(format!("cannot read `{name}`: {error}")))?;
+        Ok(Previous::read(&name, &bytes)?)
+    };
+    let paths = args.baseline.iter().filter_map(|baseline| match baseline {
+        Baseline::Contender(_) => None,
+        Baseline::Previous(path) => Some(path),
+    });
+    paths.map(read).collect()
 }
 
 /// Conditions of the race, in words, but for what is swept.
@@ -96,6 +128,12 @@ fn conditions(args: &BenchArgs, races: &[Race]) -> String {
         plural(args.rounds as usize, "round", "rounds"),
         names.join(", ")
     )
+}
+
+impl From<PreviousError> for Failure {
+    fn from(refusal: PreviousError) -> Self {
+        Self::new(refusal.cause).help(refusal.remedy)
+    }
 }
 
 impl From<VaryError> for Failure {

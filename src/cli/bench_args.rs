@@ -6,11 +6,11 @@ use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use super::failure::Failure;
-use super::parse;
+use super::parse::{self, Baseline};
 use super::progress::ProgressArgs;
 use super::shared_args::{AccuracyArgs, SceneArgs, set};
 use crate::scene::{LightSampling, Settings, flag_name};
-use crate::study::bench::{Contender, Vary};
+use crate::study::bench::Vary;
 use crate::trace::Run;
 
 /// Arguments of `bench`.
@@ -21,9 +21,18 @@ pub(super) struct BenchArgs {
     /// Writes PREFIX.csv, PREFIX.json, PREFIX.svg and PREFIX.png [default: no files]
     #[arg(short, long, value_name = "PREFIX", value_parser = OsStringValueParser::new().try_map(|s| parse::prefix(&s)))]
     pub(super) output: Option<PathBuf>,
-    /// Contenders of the wavefront, separated by commas
-    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',', default_value = "per-pixel")]
-    pub(super) baseline: Vec<Contender>,
+    /// Contenders of the wavefront, separated by commas: wavefront (against itself: the noise of ratios), per-pixel (the
+    /// same kernels, one path after the other), paper (the paper's march, one path after the other), flat (no hole), or
+    /// previous:FILE.json (what a build before this one wrote with -o)
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_parser = parse::baseline,
+        value_delimiter = ',',
+        default_value = "per-pixel",
+        allow_hyphen_values = true
+    )]
+    pub(super) baseline: Vec<Baseline>,
     /// Measures how cost grows with this [default: only the race]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) sweep: Option<Vary>,

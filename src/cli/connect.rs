@@ -13,13 +13,14 @@ use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup};
 use super::table::{TableHeader, line};
 use super::units::{decimal, plural};
-use crate::spacetime::Entry;
+use crate::spacetime::{Entry, SpacetimeKind};
 use crate::study::connections::{Joiner, Joint, Joints, PointPair};
+use crate::study::spinning_connections::{self, SpinningJoint};
 use crate::study::table::number_cell;
 
 /// Columns of the points of a pair; copied, as those of the spacetime.
 const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
-/// Columns that are found.
+/// Columns that are found around a centre.
 const RESULTS: [&str; 14] = [
     "winding",
     "Phi",
@@ -35,6 +36,29 @@ const RESULTS: [&str; 14] = [
     "G_yx",
     "nu_x_over_nu_y",
     "swing",
+];
+/// Columns that are found around a spinning hole.
+const SPINNING_RESULTS: [&str; 20] = [
+    "image",
+    "images",
+    "dx0",
+    "dx1",
+    "dx2",
+    "px0",
+    "px1",
+    "px2",
+    "dy0",
+    "dy1",
+    "dy2",
+    "py0",
+    "py1",
+    "py2",
+    "t",
+    "G_xy",
+    "G_yx",
+    "nu_x_over_nu_y",
+    "swept",
+    "sens",
 ];
 
 /// Finds the rays that join the points of every pair of a table.
@@ -65,8 +89,16 @@ struct ConnectionCounts {
     hidden: usize,
 }
 
+/// Cells of the connections of a pair, and the number of those that rounding hides.
+struct Connections {
+    rows: Vec<Vec<String>>,
+    hidden: usize,
+}
+
 struct ConnectJob {
     joiner: Joiner,
+    /// True around a spinning hole.
+    spins: bool,
     max_winding: u32,
     header: TableHeader,
     spacetime: Parameters,
@@ -83,10 +115,18 @@ struct ConnectJob {
 
 impl ConnectJob {
     fn new(header: &TableHeader, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
+        let spins = match spacetime.example() {
+            SpacetimeKind::Spinning { .. } => true,
+            SpacetimeKind::Flat
+            | SpacetimeKind::Spherical { .. }
+            | SpacetimeKind::Wormhole { .. }
+            | SpacetimeKind::Indexed(_) => false,
+        };
         let spacetime = Parameters::find(header, spacetime, &POINTS)?;
         let points = header.all(&POINTS)?;
         Ok(Self {
             joiner: Joiner::default(),
+            spins,
             max_winding,
             pair: header.place("pair")?,
             kind: header.place("kind")?,
@@ -118,7 +158,7 @@ impl ConnectJob {
 
 impl RowWise for ConnectJob {
     type Task = Task;
-    type Answer = Joints;
+    type Answer = Connections;
 
     fn settings(&self) -> String {
         format!("connect --spacetime {} --max-winding {}", self.spacetime.name(), self.max_winding)
@@ -126,7 +166,8 @@ impl RowWise for ConnectJob {
 
     fn names(&self) -> Vec<&'static str> {
         let inputs = self.inputs.iter().map(|(name, _)| *name);
-        ["pair", "kind"].into_iter().chain(inputs).chain(RESULTS).collect()
+        let results = if self.spins { &SPINNING_RESULTS[..] } else { &RESULTS };
+        ["pair", "kind"].into_iter().chain(inputs).chain(results.iter().copied()).collect()
     }
 
     fn read(&mut self, row: ByteRecord) -> Result<Option<Task>, Failure> {
@@ -152,23 +193,38 @@ impl RowWise for ConnectJob {
         Ok(Some(Task { row, label, pair }))
     }
 
-    fn answer(&self, task: &Task) -> Result<Joints, Failure> {
-        self.joiner
-            .join(&task.pair, self.max_winding)
-            .map_err(|error| self.header.refuse(line(&task.row), &error))
+    fn answer(&self, task: &Task) -> Result<Connections, Failure> {
+        let joined = if self.spins {
+            spinning_connections::join(&task.pair, self.max_winding).map(|Joints { found, hidden }| {
+                let rows = found.iter().enumerate();
+                let rows = rows.map(|(i, joint)| spinning_results(joint, i + 1, found.len()).to_vec());
+                Connections { rows: rows.collect(), hidden }
+            })
+        } else {
+            self.joiner.join(&task.pair, self.max_winding).map(|Joints { found, hidden }| Connections {
+                rows: found.iter().map(|joint| results(joint).to_vec()).collect(),
+                hidden,
+            })
+        };
+        joined.map_err(|error| self.header.refuse(line(&task.row), &error))
     }
 
-    fn write(&mut self, task: &Task, joints: &Joints, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
+    fn write(
+        &mut self,
+        task: &Task,
+        found: &Connections,
+        out: &mut csv::Writer<impl Write>,
+    ) -> csv::Result<()> {
         let text = |place: usize| task.row.get(place).unwrap_or_default();
-        for joint in &joints.found {
+        for results in &found.rows {
             out.write_field(&task.label)?;
             out.write_field(self.kind.map_or(&b""[..], text))?;
             self.inputs.iter().try_for_each(|&(_, place)| out.write_field(text(place)))?;
-            out.write_record(results(joint))?;
+            out.write_record(results)?;
         }
         self.counts.pairs += 1;
-        self.counts.connections += joints.found.len();
-        self.counts.hidden += joints.hidden;
+        self.counts.connections += found.rows.len();
+        self.counts.hidden += found.hidden;
         Ok(())
     }
 
@@ -206,5 +262,32 @@ fn results(joint: &Joint) -> [String; RESULTS.len()] {
         number_cell(joint.reversed_spread),
         number_cell(joint.frequency_ratio),
         number_cell(joint.swing),
+    ]
+}
+
+/// The cells of [`SPINNING_RESULTS`], of the ray that arrives as the `image`th of all `images`.
+fn spinning_results(joint: &SpinningJoint, image: usize, images: usize) -> [String; SPINNING_RESULTS.len()] {
+    let SpinningJoint { directions: [dx, dy], momenta: [px, py], .. } = joint;
+    [
+        image.to_string(),
+        images.to_string(),
+        number_cell(dx.x),
+        number_cell(dx.y),
+        number_cell(dx.z),
+        number_cell(px.x),
+        number_cell(px.y),
+        number_cell(px.z),
+        number_cell(dy.x),
+        number_cell(dy.y),
+        number_cell(dy.z),
+        number_cell(py.x),
+        number_cell(py.y),
+        number_cell(py.z),
+        number_cell(joint.time),
+        number_cell(joint.spread),
+        number_cell(joint.reversed_spread),
+        number_cell(joint.frequency_ratio),
+        number_cell(joint.swept),
+        number_cell(joint.sens),
     ]
 }

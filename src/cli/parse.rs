@@ -7,11 +7,13 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 
 use crate::film::Aov;
 use crate::scene::{MAX_SEGMENTS, MAX_SPP, MAX_WINDING, Surroundings};
+use crate::study::bench::Contender;
 
 /// Longest side of a picture, pixels.
 const MAX_SIDE: u64 = 65_536;
@@ -63,6 +65,26 @@ pub(super) fn batch(text: &str) -> Result<usize, String> {
 /// A winding order: rays of higher ones differ by less than rounding.
 pub(super) fn winding(text: &str) -> Result<u32, String> {
     whole(text, 0..=u64::from(MAX_WINDING)).map(|number| number as u32)
+}
+
+/// Opponent of the wavefront in a race.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Baseline {
+    /// One that renders.
+    Contender(Contender),
+    /// Record of a build before.
+    Previous(PathBuf),
+}
+
+/// An opponent of the wavefront.
+pub(super) fn baseline(text: &str) -> Result<Baseline, String> {
+    if let Some(path) = text.strip_prefix("previous:") {
+        return Ok(Baseline::Previous(PathBuf::from(path)));
+    }
+    Contender::from_str(text, false).map(Baseline::Contender).map_err(|_| {
+        let names = Contender::value_variants().iter().map(|contender| contender.name());
+        format!("give one of {}, previous:FILE.json", names.collect::<Vec<_>>().join(", "))
+    })
 }
 
 /// A finite number.

@@ -37,8 +37,8 @@ pub(super) struct Parameters {
 /// Source of a parameter's values.
 #[derive(Clone, Copy)]
 enum ParameterSource {
-    /// A column: its name and place.
-    Column(&'static str, usize),
+    /// A column: its name and place, and the value where it has 1.
+    Column(&'static str, usize, f64),
     /// The value of a parameter whose column is not there.
     Constant(f64),
 }
@@ -61,7 +61,7 @@ impl Parameters {
         let source = |parameter: &Parameter| {
             let found = places.iter().find(|(name, _)| *name == parameter.column);
             found
-                .map(|&(name, place)| ParameterSource::Column(name, place))
+                .map(|&(name, place)| ParameterSource::Column(name, place, parameter.per_column))
                 .or(parameter.in_tables.map(ParameterSource::Constant))
         };
         Ok(Self { entry, sources: entry.parameters.iter().filter_map(source).collect() })
@@ -75,7 +75,7 @@ impl Parameters {
     /// Columns that there are.
     pub(super) fn places(&self) -> impl Iterator<Item = (&'static str, usize)> {
         self.sources.iter().filter_map(|source| match *source {
-            ParameterSource::Column(name, place) => Some((name, place)),
+            ParameterSource::Column(name, place, _) => Some((name, place)),
             ParameterSource::Constant(_) => None,
         })
     }
@@ -83,7 +83,7 @@ impl Parameters {
     /// The spacetime of a row, about the origin.
     pub(super) fn of(&self, header: &TableHeader, row: &ByteRecord) -> Result<SpacetimeKind, Failure> {
         let value = |source: &ParameterSource| match *source {
-            ParameterSource::Column(name, place) => header.number(row, name, place),
+            ParameterSource::Column(name, place, unit) => Ok(unit * header.number(row, name, place)?),
             ParameterSource::Constant(value) => Ok(value),
         };
         let values: Result<Vec<f64>, Failure> = self.sources.iter().map(value).collect();

@@ -22,6 +22,16 @@ pub struct Control<R> {
     photon_sphere: R,
     /// Critical impact parameter.
     critical: R,
+    /// Inverse radius of a jump in the index's second derivative, which steps end at; infinite without one.
+    seam: R,
+    /// Distance from there that a step's end may have.
+    seam_margin: R,
+    /// Longest way of a step towards the horizon, relative to what is left.
+    longest_fall: R,
+    /// Longest way of a step away from the horizon, relative to what lies between.
+    longest_rise: R,
+    /// Least length of a first step before it is limited.
+    first: R,
 }
 
 /// A step, judged.
@@ -58,10 +68,20 @@ const LARGEST_TANGENT: f64 = 3.0;
 const LONGEST_FALL: f64 = 0.5;
 /// Longest way of a step away from the horizon, relative to what lies between.
 const LONGEST_RISE: f64 = 1.0;
+/// Length or factor that limits nothing.
+const FAR: f64 = 1e30;
+/// Relative error of an arc below which the next step is not limited by it.
+const FREE: f64 = 1e-4;
 /// Tolerance over the strength of the field at which a first step is as long as the field's own scale.
 const REACH: f64 = 300.0;
 /// Part of the tolerance by which an arc may miss the curve and still stand for it.
 const NEGLIGIBLE: f64 = 0.1;
+/// Relative change of w over which a jump is looked at.
+const SEAM_WIDTH: f64 = 1e-6;
+/// Distance from a seam, in units of that at which the error would be half of the tolerance.
+const SEAM_SHARE: f64 = 0.01;
+/// Least relative distance from a seam, in roundings.
+const SEAM_ROUNDING: f64 = 8.0;
 /// Smallest tolerance, in roundings: below, steps would be judged by their rounding.
 const LEAST_TOLERANCE: f64 = 100.0;
 
@@ -77,6 +97,19 @@ pub(super) fn growth(order: u32, accepted: bool, previous: f64, error: f64) -> f
     let factor = SAFETY * fast_log2::exp2((log2(previous) - 3 * log2(error)) >> halvings);
     let most = if accepted { GROWTH.1 } else { HALVED };
     factor.at_most(most).at_least(GROWTH.0)
+}
+
+/// Distance in w from the mouth of a cylindrical throat at which the error of a step that passes it is as good as none.
+///
+/// With the jump j of d ln g/d ln w, the error of its direction is about ½ j (distance/w)².
+fn seam_margin<M: ConformallyFlat>(medium: &M, tolerance: f64, epsilon: f64) -> f64 {
+    if medium.mouth() == 0.0 {
+        return 0.0;
+    }
+    let (w, pull) = (1.0 / medium.mouth(), medium.pull(1.0 / medium.mouth()));
+    let steepness = |change: f64| (medium.pull(w * (1.0 + change)) / pull - 1.0) / change;
+    let jump = (steepness(-SEAM_WIDTH) - steepness(SEAM_WIDTH)).abs();
+    w * (SEAM_SHARE * (tolerance / jump).sqrt()).max(SEAM_ROUNDING * epsilon)
 }
 
 impl<R: Real> Control<R> {
@@ -95,7 +128,18 @@ impl<R: Real> Control<R> {
             horizon: R::of(1.0 / medium.horizon().max(0.5 * medium.throat())),
             photon_sphere: R::of(1.0 / medium.photon_sphere()),
             critical: R::of(medium.critical_impact_parameter()),
+            seam: R::of(1.0 / medium.mouth()),
+            seam_margin: R::of(seam_margin(medium, tolerance, R::EPSILON)),
+            longest_fall: R::of(LONGEST_FALL),
+            longest_rise: R::of(LONGEST_RISE),
+            first: R::of(0.0),
         }
+    }
+
+    /// The control of steps that keep within the chart by themselves and know their length before they are taken.
+    pub(super) fn without_limits(&self) -> Self {
+        let far = R::of(FAR);
+        Self { longest_fall: far, longest_rise: far, first: far, ..*self }
     }
 
     /// True if a step ends on the branch of the orbit on which it starts.
@@ -131,6 +175,53 @@ impl<R: Real> Control<R> {
         StepVerdict { accepted, next_h: step.h * R::of(f64::from(factor)), error: bounded }
     }
 
+    /// Judges `step` once more where the index has a seam: no method is of its order across that, so that one of the step's
+    /// ends has to be there. Newton's method finds it from rejected steps.
+    #[inline(always)]
+    pub fn at_seam<M: ConformallyFlat>(
+        &self,
+        medium: &M,
+        step: &Step<R>,
+        verdict: StepVerdict<R>,
+    ) -> StepVerdict<R> {
+        if medium.mouth() == 0.0 {
+            return verdict;
+        }
+        let (from, to) = (step.start.w - self.seam, step.end.w - self.seam);
+        let zero = R::of(0.0);
+        let passes = ((from < zero) != (to < zero)) & (from.abs().at_most(to.abs()) > self.seam_margin);
+        // A little beyond it, at the root in (0, 1) of a parabola through both ends with the slope at the start.
+        let beyond = R::of(0.5) * if from < zero { self.seam_margin } else { -self.seam_margin };
+        let (slope, way) = (step.start.v * step.h, from - beyond);
+        let root = (slope * slope - R::of(4.0) * (to - from - slope) * way).at_least(zero).sqrt();
+        let part = R::of(-2.0) * way / if slope < zero { slope - root } else { slope + root };
+        let cut = step.h * part.at_most(R::of(1.0));
+        StepVerdict {
+            accepted: verdict.accepted & !passes,
+            next_h: if passes { cut.at_most(verdict.next_h) } else { verdict.next_h },
+            ..verdict
+        }
+    }
+
+    /// Judges a step of a series, which is as long as its accuracy allows, whose arc is off by `arc_error`.
+    #[inline(always)]
+    pub(super) fn judge_series(&self, step: &Step<R>, arc_error: R) -> StepVerdict<R> {
+        let estimate = step.undone + step.embedded;
+        let own = estimate * estimate * step.leverage * R::of(1.0 / (LARGEST_SLIP * LARGEST_SLIP))
+            + step.strain * R::of(1.0 / LARGEST_STRAIN);
+        let error = own + arc_error * self.per_arc_tolerance;
+        let accepted = (error <= R::of(1.0)) & self.keeps_branch(step);
+        let bounded = error.at_least(R::of(1e-6)).at_most(R::of(1e6));
+        // Arcs are of order 5.
+        let root = (fast_log2::log2(bounded.value() as f32) as f32 * -0.2) as i32;
+        let factor = (SAFETY * fast_log2::exp2(root)).at_least(GROWTH.0);
+        let factor = if accepted { factor } else { factor.at_most(HALVED) };
+        let next_h = step.h * R::of(f64::from(factor));
+        // What is far below the tolerance tells nothing.
+        let is_free = accepted & (error < R::of(FREE));
+        StepVerdict { accepted, next_h: if is_free { R::of(FAR) } else { next_h }, error: bounded }
+    }
+
     /// True if an arc is so near the curve that what meets the one meets the other to the accuracy asked for.
     #[inline(always)]
     pub fn is_close(&self, arc: &PlaneArc<R>) -> bool {
@@ -154,8 +245,8 @@ impl<R: Real> Control<R> {
     #[inline(always)]
     pub fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
         let n = phase.index(b);
-        let longest = if phase.v > R::of(0.0) { LONGEST_FALL } else { LONGEST_RISE };
-        let h = h.at_most(R::of(longest) * self.room(phase.w) / n);
+        let longest = if phase.v > R::of(0.0) { self.longest_fall } else { self.longest_rise };
+        let h = h.at_most(longest * self.room(phase.w) / n);
         let widest = R::of(LARGEST_TANGENT) / b;
         if h * b > R::of(LARGEST_TANGENT) { widest } else { h }
     }
@@ -174,6 +265,7 @@ impl<R: Real> Control<R> {
         let exponent = 64u32.div_ceil(order.max(1)) as i32;
         let log2 = fast_log2::log2((REACH * self.tolerance.value() / strength) as f32);
         let reach = f64::from(fast_log2::exp2((log2 >> 6) * exponent));
-        self.within(R::of(reach.at_most(LARGEST_TANGENT) / rate), R::of(b), phase)
+        let first = R::of(reach.at_most(LARGEST_TANGENT) / rate).at_least(self.first);
+        self.within(first, R::of(b), phase)
     }
 }

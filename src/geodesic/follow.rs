@@ -1,6 +1,6 @@
 //! A ray followed to its end where nothing is in its way.
 
-use super::{Control, Phase, Step, Stepper};
+use super::{Control, OrbitStepper, Phase, Step};
 use crate::math::real::Real;
 use crate::spacetime::{ConformallyFlat, Fate};
 
@@ -37,7 +37,7 @@ const MAX_STEPS: u32 = 100_000;
 
 /// Follows a ray of impact parameter `b` from `start` until it crosses the sphere of inverse radius `w_out` outwards
 /// (0 is infinity), on either side of a throat, falls, or is lost; `each` sees every step that is taken.
-pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
+pub fn follow<M: ConformallyFlat, S: OrbitStepper, R: Real>(
     medium: &M,
     stepper: &S,
     control: &Control<R>,
@@ -47,9 +47,10 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
 ) -> Journey<R> {
     let zero = R::of(0.0);
     let out = R::of(w_out);
+    let control = stepper.control(control);
     let mut phase = start;
     let mut swept = zero;
-    let mut h = control.first_step(medium, S::ESTIMATE.order, b, &phase);
+    let mut h = control.first_step(medium, S::ORDER, b, &phase);
     let mut previous = R::of(1.0);
     let mut journey = Journey { end: OrbitEnd::StepLimit, periastron: None, passes: false, steps: 0 };
     let throat = R::of(1.0 / medium.throat());
@@ -69,8 +70,8 @@ pub fn follow<M: ConformallyFlat, S: Stepper, R: Real>(
         }
         journey.steps += 1;
         // Where a step ends is free: its length carries no derivative.
-        let step = Step::new(medium, stepper, b, phase, R::of(h.value()));
-        let verdict = control.judge::<S>(&step, zero, previous);
+        let step = stepper.step(medium, b, phase, R::of(h.value()));
+        let verdict = control.at_seam(medium, &step, stepper.judge(&control, &step, zero, previous));
         if !verdict.accepted {
             // A step that has vanished, or a state that is no longer finite.
             if verdict.next_h.value() < f64::from(f32::MIN_POSITIVE) || !phase.w.value().is_finite() {
@@ -116,7 +117,7 @@ fn angle<R: Real>(step: &Step<R>) -> R {
 /// The part of `step` up to the inverse radius `w`.
 pub fn until<M: ConformallyFlat, R: Real>(
     medium: &M,
-    stepper: &impl Stepper,
+    stepper: &impl OrbitStepper,
     step: &Step<R>,
     w: R,
 ) -> Step<R> {
@@ -130,7 +131,7 @@ pub fn until<M: ConformallyFlat, R: Real>(
 /// a bracket.
 fn land<M: ConformallyFlat, R: Real>(
     medium: &M,
-    stepper: &impl Stepper,
+    stepper: &impl OrbitStepper,
     step: &Step<R>,
     at: &dyn Fn(&Step<R>) -> (R, R),
 ) -> Step<R> {
@@ -148,7 +149,7 @@ fn land<M: ConformallyFlat, R: Real>(
         let inside = newton > low && newton < high;
         let h = if inside { newton } else { R::of(0.5) * (low + high) };
         let moved = (h - piece.h).abs().value();
-        piece = Step::new(medium, stepper, step.b, step.start, h);
+        piece = stepper.part(medium, step.b, step.start, h);
         if moved <= 2.0 * R::EPSILON * step.h.value() {
             break;
         }

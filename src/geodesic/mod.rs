@@ -3,6 +3,7 @@
 #![doc = include_str!("accuracy.md")]
 
 mod arc;
+mod areal_series;
 mod control;
 mod dop853;
 mod dopri5;
@@ -17,11 +18,13 @@ mod rk4_paper;
 mod rkf45;
 mod rkn4;
 mod rkn6;
+mod sampled_arc;
 mod space_arc;
 mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
+pub use areal_series::ArealSeries;
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
@@ -41,6 +44,7 @@ pub use rk4_paper::rk4_paper;
 pub use rkf45::Rkf45;
 pub use rkn4::Rkn4;
 pub use rkn6::Rkn6;
+pub(crate) use sampled_arc::fit_sampled_arc;
 pub(crate) use space_arc::{SpaceArc, fit_space_arc, halfway};
-pub use stepper::{StepErrorModel, Stepper, Trial};
+pub use stepper::{OrbitStepper, StepErrorModel, Stepper, Trial};
 pub use time::elapsed;

@@ -22,7 +22,7 @@ pub(crate) struct SpaceArc {
 }
 
 /// Turn below which a step is fitted with a parabola: the tangents meet too ill-conditioned there.
-const SMALL_TURN: f64 = 1e4 * f64::EPSILON;
+pub(super) const SMALL_TURN: f64 = 1e4 * f64::EPSILON;
 
 /// The arc that stands in for the step along `chord` of a curve that goes `through` a point about halfway, given its
 /// first and second derivatives at the start and at the end.

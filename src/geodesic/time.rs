@@ -21,7 +21,7 @@
 //! step's length in ψ is not: of a radial ray, which keeps its direction whatever ψ, nothing controls it. Elsewhere v
 //! may vanish, and the integral is one over ψ along the step's dense output.
 
-use super::{Phase, Step, Stepper};
+use super::{OrbitStepper, Phase, Step};
 use crate::math::quadrature::mean;
 use crate::math::real::Real;
 use crate::spacetime::ConformallyFlat;
@@ -34,7 +34,7 @@ const STEEP: f64 = 0.5;
 const STRONG: f64 = 4.0;
 
 /// Coordinate time, in the unit of length, that `step` takes; in f64 whatever the step was taken in.
-pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, step: &Step<R>) -> f64 {
+pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl OrbitStepper, step: &Step<R>) -> f64 {
     let (b, h) = (step.b.value(), step.h.value());
     let [start, end] =
         [step.start, step.end].map(|phase| Phase::new(medium, phase.w.value(), phase.v.value()));
@@ -65,7 +65,7 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl Stepper, 
         along
             * mean(|share| {
                 let h = if small { share * h } else { libm::tan(share * angle) / b };
-                rate(Step::new(medium, stepper, b, start, h).end)
+                rate(stepper.part(medium, b, start, h).end)
             })
     };
     if near_horizon {
@@ -87,7 +87,7 @@ mod tests {
     const HOLE: f64 = 0.7;
 
     /// Time from `x` in the direction `d` out to the isotropic radius `r_out`.
-    fn time(stepper: impl Stepper, tolerance: f64, x: DVec3, d: DVec3, r_out: f64) -> f64 {
+    fn time(stepper: impl OrbitStepper, tolerance: f64, x: DVec3, d: DVec3, r_out: f64) -> f64 {
         let medium = Schwarzschild::new(HOLE);
         let launch = Launch::new(&medium, x, d, f64::EPSILON);
         let control = Control::new(&medium, tolerance, f64::INFINITY);

@@ -21,6 +21,7 @@ mod scene;
 mod search;
 mod segment;
 mod shape;
+mod skim;
 mod small_scene;
 mod sphere;
 mod triangle;
@@ -35,5 +36,6 @@ pub use scene::{Counts, Geometry, Hit, PrimitiveId, SupportingSurface, SurfacePo
 pub use search::{Found, Search};
 pub use segment::{Chord, Segment};
 pub use shape::Shape;
+pub use skim::Skim;
 pub use small_scene::SideBySide;
 pub use triangle::Triangle;

@@ -147,7 +147,7 @@ impl<F: IndexField> FieldView<'_, F> {
         let shifts = half_axes.map(|axis| link.turned(axis));
         let beside =
             shifts.map(|shift| [(link.direction + shift).normalize(), (link.direction - shift).normalize()]);
-        Region::about(link.direction, beside.as_flattened(), self.pole(way), MARGIN)
+        Region::about(link.direction, beside.as_flattened(), Some(self.pole(way)), MARGIN)
     }
 
     /// Pole of sectors: the hole that rays go around, or the one that bends the near one most.
@@ -270,10 +270,6 @@ impl<F: IndexField> LightSampler for FieldRegions<F> {
             return false;
         };
         emitter.both_sides || end.direction.dot(emitter.normal_at(end.position)) < 0.0
-    }
-
-    fn samples_points(&self) -> bool {
-        true
     }
 
     fn samples_sky(&self) -> bool {

@@ -10,7 +10,7 @@ use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sky::Sky;
 use super::tree::{Emission, Tree};
-use crate::geometry::{Geometry, PrimitiveId};
+use crate::geometry::{Geometry, PrimitiveId, Shape};
 use crate::shade::{Environment, Material};
 use crate::spacetime::{Mouths, Side};
 
@@ -163,18 +163,19 @@ impl Lights {
         }
     }
 
-    /// Limits the points on spheres to the parts `cap` gives for them, if any.
+    /// Limits the points on spheres to the parts `cap` gives for them; without one they are all over the sphere.
     pub fn limit(&mut self, cap: impl Fn(&Emitter) -> Option<Cap>) {
-        let mut is_limited = false;
+        let mut has_changed = false;
         for emitter in &mut self.emitters {
-            if let Some(sphere) = emitter.sphere()
-                && let Some(cap) = cap(emitter)
-            {
-                emitter.form = Form::Cap(sphere, cap);
-                is_limited = true;
-            }
+            let Some(sphere) = emitter.sphere() else { continue };
+            let form = match cap(emitter) {
+                Some(cap) => Form::Cap(sphere, cap),
+                None => Form::Whole(Shape::Sphere(sphere)),
+            };
+            has_changed |= form != emitter.form;
+            emitter.form = form;
         }
-        if is_limited {
+        if has_changed {
             self.build_tree();
         }
     }

@@ -42,10 +42,7 @@ pub trait LightSampler: Send + Sync {
     /// True if a light ray that lands there has reached its target.
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool;
 
-    /// True if punctual lights are sampled.
-    fn samples_points(&self) -> bool;
-
-    /// True if the sky is sampled.
+    /// True if the sky is sampled, too.
     fn samples_sky(&self) -> bool;
 }
 
@@ -106,10 +103,6 @@ impl<A: Aim> LightSampler for A {
         end.primitive == wanted && self.is_reached(wanted.side(), at, end.position)
     }
 
-    fn samples_points(&self) -> bool {
-        true
-    }
-
     fn samples_sky(&self) -> bool {
         true
     }
@@ -149,10 +142,16 @@ fn sample_point<A: Aim>(
     let y = aim.place(side, light.position()?);
     let (link, winding_pmf) = choose_link(aim, x, &y, u)?;
     // Intensities are those of the light's own frame.
-    let geometry_factor = link.geometry_factor / aim.area_scale(&y);
-    let irradiance = light.intensity_towards(-link.arrival) * (geometry_factor / (pmf * winding_pmf)) as f32;
+    let link = Link { geometry_factor: link.geometry_factor / aim.area_scale(&y), ..link };
+    Some(point_sample((light, index), &link, pmf * winding_pmf))
+}
+
+/// Light of a punctual light with its index along a link, whose geometry factor is by proper area, chosen with a
+/// probability.
+pub(super) fn point_sample((light, index): (&Punctual, u32), link: &Link, pmf: f64) -> LightSample {
+    let irradiance = light.intensity_towards(-link.arrival) * (link.geometry_factor / pmf) as f32;
     let light = Incoming::Irradiance(irradiance);
-    Some(LightSample { direction: link.direction, target: Target::Point(index), light })
+    LightSample { direction: link.direction, target: Target::Point(index), light }
 }
 
 fn sample_distant<A: Aim>(
@@ -163,9 +162,18 @@ fn sample_distant<A: Aim>(
 ) -> Option<LightSample> {
     let travel = light.direction()?;
     let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(AtInfinity { side, direction: -travel }), u)?;
-    let irradiance = light.intensity_towards(travel) * inverse_pmf as f32;
-    let light = Incoming::Irradiance(irradiance * (link.geometry_factor / winding_pmf) as f32);
-    Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
+    Some(distant_sample((side, light, inverse_pmf), &link, winding_pmf))
+}
+
+/// Light of a light at infinity along a link that is chosen with a probability.
+pub(super) fn distant_sample(
+    (side, light, inverse_pmf): (Side, &Punctual, f64),
+    link: &Link,
+    pmf: f64,
+) -> LightSample {
+    let irradiance = light.peak() * inverse_pmf as f32;
+    let light = Incoming::Irradiance(irradiance * (link.geometry_factor / pmf) as f32);
+    LightSample { direction: link.direction, target: Target::Infinity(side), light }
 }
 
 fn sample_sky<A: Aim>(

@@ -181,7 +181,10 @@ fn lights(world: &mut World) -> Result<Vec<(Side, Punctual)>, Fault> {
             lights.push((side, light));
         }
     }
-    world.warn_of_names("lights inside the horizon of the black hole, where no light origin_prim", &hidden);
+    world.warn_of_names(
+        "lights inside the horizon or ergosphere of a hole, from where no light is seen",
+        &hidden,
+    );
     Ok(lights)
 }
 

@@ -141,12 +141,14 @@ fn spacetime(table: &Spanned<SpacetimeTable>, warnings: &mut Vec<String>) -> Res
     let mut values = Vec::with_capacity(parameters.len());
     for Parameter { key, noun, range, .. } in *parameters {
         let Some(value) = table.parameters.get(key) else {
-            let help =
-                format!("add `{key} = ...`{}", if *range == Range::Length { ", in scene units" } else { "" });
+            let help = format!(
+                "add `{key} = ...`{}",
+                if matches!(range, Range::Length | Range::Extent) { ", in scene units" } else { "" }
+            );
             return Err(Fault::at(span, format!("a spacetime of kind {name} needs {noun}"), help));
         };
         values.push(match *range {
-            Range::Length => check::non_negative(value, key)?,
+            Range::Length | Range::Extent => check::non_negative(value, key)?,
             Range::Ratio { least, most, why } => check::within(value, least..=most, key, why)?,
         });
     }

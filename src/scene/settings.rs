@@ -46,7 +46,8 @@ pub enum StepperKind {
     Rk4,
     /// Suzuki's symplectic composition of leapfrogs, order 4.
     Leapfrog4,
-    /// Taylor series in Mino time, of rays around spinning holes; elsewhere rkn6 stands for it.
+    /// Taylor series, of rays around a single hole: in the inverse areal radius, or in Mino time if it spins. Elsewhere
+    /// rkn6 stands for it.
     Series,
     /// The paper's scheme: RK4 on its equations (7), (8) with the step rule of its Algorithm 2.
     Rk4Paper,
@@ -60,10 +61,7 @@ impl StepperKind {
             (SpacetimeKind::Indexed(_), Self::Dop853) => Self::Dop853,
             (SpacetimeKind::Indexed(_), _) => Self::Rkn6,
             (SpacetimeKind::Wormhole { .. }, Self::Rk4Paper) => Self::Rkn6,
-            (
-                SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. },
-                Self::Series,
-            ) => Self::Rkn6,
+            (SpacetimeKind::Flat | SpacetimeKind::Wormhole { .. }, Self::Series) => Self::Rkn6,
             (SpacetimeKind::Wormhole { .. }, stepper) => stepper,
             (SpacetimeKind::Flat | SpacetimeKind::Spherical { .. }, stepper) => stepper,
         }
@@ -72,6 +70,12 @@ impl StepperKind {
     /// Those that follow orbits of static, spherical spacetimes to a tolerance.
     pub const OF_ORBITS: [Self; 7] =
         [Self::Rkn6, Self::Dop853, Self::Dopri5, Self::Rkf45, Self::Rkn4, Self::Rk4, Self::Leapfrog4];
+
+    /// Those that follow the rays of a hole that does not spin to a tolerance.
+    pub const AROUND_A_HOLE: [Self; 8] = {
+        let [rkn6, dop853, dopri5, rkf45, rkn4, rk4, leapfrog4] = Self::OF_ORBITS;
+        [rkn6, Self::Series, dop853, dopri5, rkf45, rkn4, rk4, leapfrog4]
+    };
 }
 
 /// The numbers that orbits are followed in.

@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
+use super::reissner_nordstrom::ReissnerNordstrom;
 use crate::math::real::Real;
 
 /// A static, spherically symmetric spacetime in isotropic coordinates centred on the origin.
 ///
 /// Its null rays are those of an optical medium of index n = Ψ/N, a function of the inverse isotropic radius w = 1/ρ.
-/// n is analytic at w = 0, where it is 1.
+/// n is smooth at w = 0, where it is 1: analytic, or with a logarithm from w² on.
 pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// n² at the inverse radius `w`.
     fn index_squared<R: Real>(&self, w: R) -> R;
@@ -27,12 +28,35 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
         1.0
     }
 
+    /// The spacetime as that of a hole, charged or not, whose rays have a polynomial equation in the inverse areal radius;
+    /// `None` of another.
+    fn as_hole(&self) -> Option<ReissnerNordstrom> {
+        None
+    }
+
     /// Isotropic radius of the horizon, 0 if there is none.
     fn horizon(&self) -> f64;
 
     /// Isotropic radius of a wormhole's throat, 0 if there is none. Beyond it ρ → throat²/ρ is the other side.
     fn throat(&self) -> f64 {
         0.0
+    }
+
+    /// Isotropic radius of the mouths of a throat that is a cylinder, within which n is proportional to w; its second
+    /// derivative jumps there. 0 without one.
+    #[inline(always)]
+    fn mouth(&self) -> f64 {
+        0.0
+    }
+
+    /// Proper distance of the isotropic radius `rho` from the throat of a wormhole; ρ elsewhere.
+    fn proper_radius(&self, rho: f64) -> f64 {
+        rho
+    }
+
+    /// Isotropic radius at the proper distance `l` ≥ 0 from the throat of a wormhole; l elsewhere.
+    fn isotropic_radius(&self, l: f64) -> f64 {
+        l
     }
 
     /// Isotropic radius of the outermost circular ray, 0 if there is none: outside it, a ray that moves outwards never

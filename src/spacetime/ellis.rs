@@ -65,6 +65,14 @@ impl ConformallyFlat for Ellis {
         self.throat
     }
 
+    fn proper_radius(&self, rho: f64) -> f64 {
+        rho - self.throat.powi(2) / rho
+    }
+
+    fn isotropic_radius(&self, l: f64) -> f64 {
+        0.5 * (l + (l * l + 4.0 * self.throat.powi(2)).sqrt())
+    }
+
     /// The throat: rays circle there.
     fn photon_sphere(&self) -> f64 {
         self.throat

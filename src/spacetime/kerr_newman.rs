@@ -36,6 +36,7 @@ pub(super) const SPIN: Parameter = Parameter {
         why: "a hole that spins faster has no horizon, and its singularity is bare",
     },
     in_tables: None,
+    per_column: 1.0,
 };
 
 impl KerrNewman {
@@ -167,6 +168,7 @@ impl Named for KerrNewman {
                 why: "a hole of more charge than mass has no horizon, and its singularity is bare",
             },
             in_tables: None,
+            per_column: 1.0,
         },
     ];
 

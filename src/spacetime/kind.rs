@@ -6,6 +6,7 @@ use super::chart::Chart;
 use super::conformally_flat::ConformallyFlat;
 use super::ellis::Ellis;
 use super::index_field::{IndexField, Sink};
+use super::interstellar::Interstellar;
 use super::kerr::Kerr;
 use super::kerr_newman::KerrNewman;
 use super::lenses::Lenses;
@@ -84,6 +85,18 @@ macro_rules! media {
                 match self { $(Self::$name(metric) => metric.throat(),)+ }
             }
 
+            fn mouth(&self) -> f64 {
+                match self { $(Self::$name(metric) => metric.mouth(),)+ }
+            }
+
+            fn proper_radius(&self, rho: f64) -> f64 {
+                match self { $(Self::$name(metric) => metric.proper_radius(rho),)+ }
+            }
+
+            fn isotropic_radius(&self, l: f64) -> f64 {
+                match self { $(Self::$name(metric) => metric.isotropic_radius(l),)+ }
+            }
+
             fn photon_sphere(&self) -> f64 {
                 match self { $(Self::$name(metric) => metric.photon_sphere(),)+ }
             }
@@ -113,7 +126,7 @@ media! {
     Metric, spherical(center: DVec3): Schwarzschild, ReissnerNordstrom;
 
     /// Static, spherical wormholes centred on the origin.
-    Wormhole, wormhole(mouths: Mouths): Ellis;
+    Wormhole, wormhole(mouths: Mouths): Ellis, Interstellar;
 }
 
 /// A spacetime and where its centre is placed.
@@ -291,6 +304,16 @@ impl Entry {
             return SpacetimeKind::Flat;
         }
         (self.make)(placement.into(), values)
+    }
+
+    /// One of them, about the origin: parameters do not change the family, but for a length of 0.
+    pub fn example(&self) -> SpacetimeKind {
+        let values = self.parameters.iter().map(|parameter| match parameter.range {
+            Range::Length | Range::Extent => 1.0,
+            Range::Ratio { least, most, .. } => 0.5 * (least + most),
+        });
+        let values: Vec<f64> = values.collect();
+        self.with(DVec3::ZERO, &values)
     }
 }
 

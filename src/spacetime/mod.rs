@@ -33,7 +33,9 @@
 mod chart;
 mod conformally_flat;
 mod ellis;
+mod flare;
 mod index_field;
+mod interstellar;
 mod kerr;
 mod kerr_newman;
 mod kind;
@@ -53,6 +55,7 @@ pub use conformally_flat::ConformallyFlat;
 pub use ellis::Ellis;
 pub(crate) use index_field::dot;
 pub use index_field::{FieldSurvey, IndexField, Lanes, Sink, Vectors, Viewpoint};
+pub use interstellar::Interstellar;
 pub use kerr_newman::KerrNewman;
 pub use kind::{
     Entry, IndexMedium, LISTED, Listed, Metric, SPACETIMES, SpacetimeKind, SpacetimeVisitor, Wormhole,
@@ -63,7 +66,7 @@ pub use named::Named;
 pub use parameter::{Parameter, Range};
 pub use placement::Placement;
 pub use reissner_nordstrom::ReissnerNordstrom;
-pub use rest_frame::RestFrame;
+pub use rest_frame::{RestFrame, Stretch};
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
 pub use side::{AtInfinity, Side};

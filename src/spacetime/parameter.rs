@@ -15,6 +15,8 @@ pub struct Parameter {
     pub range: Range,
     /// Value in a table of rays that has no such column; `None`: the column is needed.
     pub in_tables: Option<f64>,
+    /// Value where the column has 1.
+    pub per_column: f64,
 }
 
 /// Values of a parameter.
@@ -22,6 +24,8 @@ pub struct Parameter {
 pub enum Range {
     /// A length in scene units, of a mass or a radius; 0 leaves flat space.
     Length,
+    /// A length in scene units that may be 0 in a curved space.
+    Extent,
     /// A pure number between two bounds, which it may reach.
     Ratio {
         /// Lower bound.
@@ -34,12 +38,16 @@ pub enum Range {
 }
 
 impl Parameter {
-    /// Problem with `value` and its remedy, if it is a ratio out of bounds; lengths are for the caller to bound.
+    /// Problem with `value` and its remedy, if it is out of bounds; lengths are for the caller to bound.
     pub fn out_of_bounds(&self, value: f64) -> Option<(String, String)> {
-        let Range::Ratio { least, most, why } = self.range else { return None };
-        let problem = || format!("{} is {value}: {why}", self.noun);
-        let remedy = || format!("give a number from {least} to {most}");
-        (!(least..=most).contains(&value)).then(|| (problem(), remedy()))
+        match self.range {
+            Range::Length => None,
+            Range::Extent => (!(0.0..f64::INFINITY).contains(&value))
+                .then(|| (format!("{} is {value}", self.noun), "give a length of 0 or more".to_owned())),
+            Range::Ratio { least, most, why } => (!(least..=most).contains(&value)).then(|| {
+                (format!("{} is {value}: {why}", self.noun), format!("give a number from {least} to {most}"))
+            }),
+        }
     }
 }
 
@@ -51,6 +59,7 @@ pub(super) const SCHWARZSCHILD_RADIUS: Parameter = Parameter {
     noun: "the Schwarzschild radius",
     range: Range::Length,
     in_tables: None,
+    per_column: 1.0,
 };
 
 /// b₀: the least areal radius of a wormhole.
@@ -61,4 +70,5 @@ pub(super) const THROAT_RADIUS: Parameter = Parameter {
     noun: "the throat radius",
     range: Range::Length,
     in_tables: None,
+    per_column: 1.0,
 };

@@ -28,6 +28,16 @@ impl ReissnerNordstrom {
         Self { mass, charge, h: 0.5 * mass * ((1.0 - charge) * (1.0 + charge)).sqrt() }
     }
 
+    /// Mass M.
+    pub(crate) fn mass(&self) -> f64 {
+        self.mass
+    }
+
+    /// Charge Q/M.
+    pub(crate) fn charge(&self) -> f64 {
+        self.charge
+    }
+
     /// Areal radius of the photon sphere, (3M + √(9M² − 8Q²))/2.
     fn areal_photon_sphere(&self) -> f64 {
         0.5 * self.mass * (3.0 + (9.0 - 8.0 * self.charge * self.charge).sqrt())
@@ -58,6 +68,7 @@ impl Named for ReissnerNordstrom {
                 why: "a hole of more charge than mass has no horizon, and its singularity is bare",
             },
             in_tables: None,
+            per_column: 1.0,
         },
     ];
 
@@ -97,6 +108,10 @@ impl ConformallyFlat for ReissnerNordstrom {
     fn lapse(&self, w: f64) -> f64 {
         let (a, d, _) = self.terms(w);
         d / a
+    }
+
+    fn as_hole(&self) -> Option<ReissnerNordstrom> {
+        Some(*self)
     }
 
     fn horizon(&self) -> f64 {

@@ -33,30 +33,67 @@ impl RestFrame {
     /// Unit direction at rest of a tangent of the chart at a world position.
     #[inline(always)]
     pub fn direction(&self, position: DVec3, tangent: DVec3) -> DVec3 {
-        match self.stretch(position) {
-            None => tangent,
-            Some((n, s)) => (tangent + (1.0 / s - 1.0) * n.dot(tangent) * n).normalize(),
-        }
+        self.stretch(position).direction(tangent)
     }
 
-    /// Unit normals at rest of surfaces that have these normals in the chart, at a world position: normals are covectors.
+    /// Unit normals at rest of surfaces that have these normals in the chart, at a world position.
     #[inline(always)]
     pub fn normals<const COUNT: usize>(&self, position: DVec3, normals: [DVec3; COUNT]) -> [DVec3; COUNT] {
-        match self.stretch(position) {
-            None => normals,
-            Some((n, s)) => normals.map(|normal| (normal - (1.0 - s) * n.dot(normal) * n).normalize()),
-        }
+        self.stretch(position).normals(normals)
     }
 
-    /// The world direction along which space is stretched, and the inverse of by how much; `None` if it is not.
+    /// Stretch of the space at rest at a world position.
     #[inline(always)]
-    fn stretch(&self, position: DVec3) -> Option<(DVec3, f64)> {
+    pub fn stretch(&self, position: DVec3) -> Stretch {
         match self {
-            Self::Conformal => None,
+            Self::Conformal => Stretch::NONE,
             Self::Spinning { center, rotation, hole } => {
                 let (n, potential) = hole.outgoing(*rotation * (position - *center));
-                Some((rotation.transpose() * n, (1.0 - potential).max(0.0).sqrt()))
+                Stretch::new(rotation.transpose() * n, potential)
             }
         }
+    }
+}
+
+/// Stretch of the space at rest at a place, against the chart: √(1 − s) N, as a vector of the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stretch(pub(crate) DVec3);
+
+impl Stretch {
+    /// None: the angles of the chart are true.
+    pub const NONE: Stretch = Stretch(DVec3::ZERO);
+
+    /// Along the unit vector `n`, where the metric is η + `potential` l l; NaN where nothing can be at rest.
+    #[inline(always)]
+    pub(crate) fn new(n: DVec3, potential: f64) -> Self {
+        let size = (1.0 - (1.0 - potential).sqrt()).sqrt();
+        Self(if potential < 1.0 { size } else { f64::NAN } * n)
+    }
+
+    /// Unit direction at rest of a tangent of the chart.
+    #[inline(always)]
+    pub fn direction(&self, tangent: DVec3) -> DVec3 {
+        if *self == Self::NONE { tangent } else { self.stretched(tangent) }
+    }
+
+    /// [`Self::direction`] without a branch, where space is stretched.
+    #[inline(always)]
+    pub(crate) fn stretched(&self, tangent: DVec3) -> DVec3 {
+        // tangent + (1/s − 1) N N·tangent.
+        let s = 1.0 - self.0.length_squared();
+        let longer = tangent + (self.0.dot(tangent) / s) * self.0;
+        longer / longer.length()
+    }
+
+    /// Unit normals at rest of surfaces that have these normals in the chart: normals are covectors.
+    #[inline(always)]
+    pub fn normals<const COUNT: usize>(&self, normals: [DVec3; COUNT]) -> [DVec3; COUNT] {
+        if *self == Self::NONE {
+            return normals;
+        }
+        let at_rest = |normal: DVec3| (normal - self.0.dot(normal) * self.0).normalize();
+        // Most surfaces are shaded as they are.
+        let first = at_rest(normals[0]);
+        normals.map(|normal| if normal == normals[0] { first } else { at_rest(normal) })
     }
 }

@@ -10,6 +10,7 @@ use glam::DVec3;
 use super::conformally_flat::ConformallyFlat;
 use super::named::Named;
 use super::parameter::{Parameter, SCHWARZSCHILD_RADIUS};
+use super::reissner_nordstrom::ReissnerNordstrom;
 use crate::math::real::Real;
 
 /// A hole of Schwarzschild radius `r_s` at the origin.
@@ -75,6 +76,10 @@ impl ConformallyFlat for Schwarzschild {
     fn lapse(&self, w: f64) -> f64 {
         let u = self.horizon * w;
         (1.0 - u) / (1.0 + u)
+    }
+
+    fn as_hole(&self) -> Option<ReissnerNordstrom> {
+        Some(ReissnerNordstrom::new(self.schwarzschild_radius(), 0.0))
     }
 
     fn horizon(&self) -> f64 {

@@ -31,7 +31,7 @@ struct CameraRayErrors {
     footprint: Option<Spread>,
 }
 
-/// Cost of rays, by column: thread time of a camera ray by itself; camera paths traced to their end, on all threads;
+/// Cost of rays, by column: CPU time of a camera ray by itself; camera paths traced to their end, on all threads;
 /// march steps and BVH queries per ray of these paths.
 type Cost = [f64; 4];
 
@@ -110,7 +110,7 @@ impl Study for CameraRays {
         self.scene.settings = self.settings[setting].over(&self.base);
         let camera = self.render(CAMERA_SPP, 1);
         let full = self.render(self.spp, self.base.max_depth);
-        let ns_per_ray = 1e9 * camera.seconds * camera.threads as f64 / camera.counters.rays as f64;
+        let ns_per_ray = 1e9 * camera.cpu_seconds / camera.counters.rays as f64;
         Ok([ns_per_ray, full.paths_per_second, full.steps_per_ray, full.queries_per_ray])
     }
 

@@ -49,11 +49,11 @@ pub struct Joint {
     pub swing: f64,
 }
 
-/// The rays between two points.
+/// The rays between two points: of a form that its family of spacetimes has.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Joints {
-    /// In the order of their winding.
-    pub found: Vec<Joint>,
+pub struct Joints<J> {
+    /// In the order of their winding, or of their arrival.
+    pub found: Vec<J>,
     /// Number of further rays, which rounding hides.
     pub hidden: usize,
 }
@@ -93,7 +93,7 @@ impl Joiner {
     /// # Errors
     /// If a point is not outside the horizon, both are the same, or a number is not finite or beyond what squares can
     /// hold.
-    pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
+    pub fn join(&self, pair: &PointPair, max_winding: u32) -> Result<Joints<Joint>, InputError> {
         let &PointPair { ref spacetime, x, y } = pair;
         let [least, most] = LENGTHS;
         let length = |input, what: &str, length: f64, also: &str| {

@@ -18,7 +18,7 @@ pub struct Forecast {
     pub paths: u64,
     /// All of the time.
     pub seconds: Estimate,
-    /// Learning of light sampling before the first sample.
+    /// Learning of light sampling.
     pub learning: f64,
     /// Camera paths.
     pub sampling: Estimate,

@@ -4,8 +4,6 @@
 //! square error times the time is constant; the gain of a way is how much smaller that product is than without light
 //! sampling, which is also the ratio of the mean square errors after equal times.
 
-use std::time::Instant;
-
 use super::compare::{Measures, Mismatch, PicturePair};
 use super::errors::median;
 use super::estimate::{Estimate, geometric_median};
@@ -50,7 +48,7 @@ struct LightSamplingMeasurement {
     way: LightSampling,
     /// Samples per pixel.
     spp: u32,
-    /// Wall time of a render, seconds; the median.
+    /// CPU time of a render, seconds; the median.
     seconds: f64,
     /// Mean square error over pixels and `R`, `G`, `B`, radiance²; below 0 where the reference's noise hides it.
     mse: Estimate,
@@ -320,18 +318,16 @@ struct Renders<'a> {
 }
 
 impl Renders<'_> {
-    /// A picture with a seed of its own, and the seconds that it took.
+    /// A picture with a seed of its own, and the CPU time that it took, seconds.
     fn render(&mut self, way: LightSampling, spp: u32) -> (Image, f64) {
         let settings = &mut self.scene.settings;
         (settings.light_sampling, settings.spp, settings.seed) = (way, spp, self.seeds.next());
         let (done, total) = (self.done, self.total);
         let progress = |now: Progress| (self.progress)(Progress { done: done + now.done, total });
         let run = Run { threads: self.threads, ..Run::default() };
-        let started = Instant::now();
-        let image = render(&self.scene, &run, &progress).image;
-        let seconds = started.elapsed().as_secs_f64();
+        let rendered = render(&self.scene, &run, &progress);
         self.done += (self.scene.settings.width * self.scene.settings.height) as u64 * u64::from(spp);
-        (image, seconds)
+        (rendered.image, rendered.stats.cpu_seconds)
     }
 
     /// The reference, of `spp` samples in all.
@@ -376,7 +372,7 @@ fn text(ways: &[Technique]) -> String {
         let row = TableRow::default()
             .cell("light sampling", flag_name(m.way))
             .cell("spp", m.spp)
-            .cell("seconds", format!("{:.3}", m.seconds))
+            .cell("CPU seconds", format!("{:.3}", m.seconds))
             .cell("RMSE", scientific(m.rmse(), 2))
             .cell("relMSE", scientific(Some(m.relmse.value).filter(|relmse| *relmse > 0.0), 2))
             .cell("99.9 %", scientific(Some(m.p999), 2))
@@ -424,7 +420,7 @@ fn figure(ways: &[Technique]) -> Figure {
         Diagram::log_log(title, [label, "RMSE (radiance)"], DIAGRAM, ways.iter().map(series).collect())
     };
     let diagrams = vec![
-        diagram("Error over time", "time (s)", |m| m.seconds),
+        diagram("Error over time", "CPU time (s)", |m| m.seconds),
         diagram("Error over samples", "samples per pixel", |m| f64::from(m.spp)),
     ];
     Figure { diagrams }

@@ -21,6 +21,7 @@ pub(crate) mod reference;
 mod render;
 pub(crate) mod report;
 pub(crate) mod rounds;
+pub(crate) mod spinning_connections;
 mod spinning_sections;
 pub(crate) mod table;
 pub(crate) mod table_rays;

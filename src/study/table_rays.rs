@@ -2,7 +2,6 @@
 //! against where they end exactly.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -18,6 +17,7 @@ use super::way::Way;
 use crate::plot::{Diagram, Figure};
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::SpacetimeKind;
+use crate::trace::cpu_clock;
 
 /// A ray, and how it ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +74,7 @@ struct Honesty {
 struct TableRayMeasurement {
     setting: Accuracy,
     errors: TableRayErrors,
-    /// Thread time of a ray, nanoseconds; the median over the rounds.
+    /// CPU time of a ray, nanoseconds; the median over the rounds.
     ns_per_ray: f64,
     /// Steps tried per ray.
     steps_per_ray: f64,
@@ -142,15 +142,14 @@ impl Study for TableRays<'_> {
         Ok(())
     }
 
-    /// Thread time of a ray, nanoseconds, over as many repeats of all rays as it takes, which are kept for next time.
+    /// CPU time of a ray, nanoseconds, over as many repeats of all rays as it takes, which are kept for next time.
     fn measure(&mut self, setting: usize) -> Result<f64, TableRayError> {
         let count = self.cases.len();
         loop {
             let rays = count * self.repeats[setting];
             let seconds = self.seconds(&self.settings[setting], rays);
             if seconds >= LEAST_SECONDS {
-                let threads = self.install(rayon::current_num_threads);
-                return Ok(1e9 * seconds * threads as f64 / rays as f64);
+                return Ok(1e9 * seconds / rays as f64);
             }
             // A little more than it takes by this measurement, which may be one of a cold start.
             let factor = (1.2 * LEAST_SECONDS / seconds.max(1e-6)).min(100.0);
@@ -195,16 +194,16 @@ impl<'a> TableRays<'a> {
         self.install(|| self.cases.par_iter().enumerate().map(arrive).collect())
     }
 
-    /// Wall time in which `rays` rays are followed, round and round through the cases.
+    /// CPU time in which `rays` rays are followed, round and round through the cases.
     fn seconds(&self, accuracy: &Accuracy, rays: usize) -> f64 {
-        let started = Instant::now();
+        let started = cpu_clock::of_process();
         self.install(|| {
             (0..rays).into_par_iter().with_min_len(GRAIN).for_each(|index| {
                 let case = &self.cases[index % self.cases.len()];
                 let _ = black_box((self.form.arrive)(&case.spacetime, &case.ray, accuracy));
             });
         });
-        started.elapsed().as_secs_f64()
+        cpu_clock::of_process().saturating_sub(started).as_secs_f64()
     }
 }
 

@@ -13,7 +13,7 @@ use super::straight::Straight;
 use super::transport::TransportVisitor;
 use crate::geodesic::{Control, Rkn6};
 use crate::light::Punctual;
-use crate::scene::{Baked, Precision};
+use crate::scene::{Baked, Precision, StepperKind};
 use crate::spacetime::{
     Chart, ConformallyFlat, IndexField, KerrNewman, Mouths, Placement, Side, SpacetimeVisitor,
 };
@@ -116,6 +116,11 @@ impl<E: TransportVisitor> SpacetimeVisitor for Choice<'_, E> {
     }
 }
 
+/// Stepper of a scene, and its tolerance.
+fn by(scene: &Baked) -> (StepperKind, f64) {
+    (scene.settings.stepper, scene.settings.tolerance)
+}
+
 /// A spacetime in its place.
 struct CenteredMedium<M, W> {
     medium: M,
@@ -131,8 +136,8 @@ impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
     fn run<R: Lane, E: TransportVisitor>(self, scene: &Baked, visitor: E) -> E::Output {
         let (medium, center, chart) = (self.medium, self.worlds.center, self.chart);
         let control = self.control::<R>(scene);
-        match march(medium, scene.settings.stepper, control, R::of(chart.outer)) {
-            Some(march) => visitor.run(self.curved(scene, control, march)),
+        match march(medium, by(scene), control, R::of(chart.outer)) {
+            Some(march) => visitor.run(self.curved(scene, march)),
             None => visitor.run(PaperMarch { medium, center, chart }),
         }
     }
@@ -142,9 +147,9 @@ impl<M: ConformallyFlat> CenteredMedium<M, TwoWorlds> {
     /// Rays through a throat; the paper's scheme, which knows none, gives way to rkn6.
     fn through<R: Lane>(self, scene: &Baked) -> Curved<M, R, TwoWorlds> {
         let (control, outer) = (self.control::<R>(scene), R::of(self.chart.outer));
-        let march = march(self.medium, scene.settings.stepper, control, outer)
+        let march = march(self.medium, by(scene), control, outer)
             .unwrap_or_else(|| march_by(Rkn6, self.medium, control, outer));
-        self.curved(scene, control, march)
+        self.curved(scene, march)
     }
 }
 
@@ -154,14 +159,9 @@ impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
     }
 
     /// Rays on orbits.
-    fn curved<R: Lane>(
-        self,
-        scene: &Baked,
-        control: Control<R>,
-        march: Box<dyn March<R>>,
-    ) -> Curved<M, R, W> {
+    fn curved<R: Lane>(self, scene: &Baked, march: Box<dyn March<R>>) -> Curved<M, R, W> {
         let Self { medium, worlds, sky, chart, arc_tolerance } = self;
-        let tolerance = scene.settings.tolerance;
+        let (tolerance, control) = (scene.settings.tolerance, march.control());
         Curved { medium, march, worlds, sky, chart, control, tolerance, arc_tolerance }
     }
 }

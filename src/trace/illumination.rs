@@ -68,8 +68,7 @@ impl Illumination {
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let environment = if sampler.samples_sky() { &scene.environment } else { &Environment::Black };
-        let punctual = if sampler.samples_points() { &scene.punctual[..] } else { &[] };
-        let lights = Lights::new(&scene.geometry, &scene.materials, environment, punctual, floor)
+        let lights = Lights::new(&scene.geometry, &scene.materials, environment, &scene.punctual, floor)
             .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
             Some((mouths, metric)) => lights.through(Transmission {
@@ -88,11 +87,7 @@ impl Illumination {
         let surfaces = self.lights.emitters().len();
         LightSummary {
             surfaces,
-            punctual: if self.sampler.samples_points() {
-                scene.punctual.len() + scene.far.punctual.len()
-            } else {
-                0
-            },
+            punctual: scene.punctual.len() + scene.far.punctual.len(),
             sky: self.lights.has_sky(),
             is_guided: self.heuristic.is_some() && surfaces > 0 && has_specular(scene),
         }
@@ -136,7 +131,7 @@ impl Illumination {
         let (lights, out) = (&self.lights, vertex.direction);
         let density = match end {
             LightEnd::Surface(landing, normal) => {
-                let Landing { primitive, position, direction: arrival } = *landing;
+                let Landing { primitive, position, direction: arrival, .. } = *landing;
                 let hit = EmitterHit { primitive, position, normal, arrival };
                 self.sampler.surface_density(lights, &receiver, out, &hit)
             }
@@ -158,7 +153,7 @@ impl Illumination {
     /// True if a light ray that lands has reached its target.
     #[inline]
     pub fn reaches(&self, target: Target, landing: &Landing) -> bool {
-        let &Landing { primitive, position, direction } = landing;
+        let &Landing { primitive, position, direction, .. } = landing;
         self.sampler.reaches(&self.lights, target, &LightRayEnd { primitive, position, direction })
     }
 

@@ -53,7 +53,7 @@ pub struct ArcLandings {
 pub fn land_on_arc(arc: &Arc, found: Found) -> Landing {
     let Found { point: position, primitive } = found;
     let Heading { direction } = Directing.run(arc, &ArcPoint { point: position });
-    Landing { position, direction, primitive }
+    Landing::conformal(position, direction, primitive)
 }
 
 /// [`land_on_arc`] for many, lane beside lane, given the arc of each; `each` is told where the ray of a lane lands.
@@ -69,6 +69,6 @@ pub fn land_all_on_arcs(
     headings.resize(lanes);
     map(&Directing, arcs.blocks(lanes), points.blocks(lanes), headings.blocks_mut(lanes));
     for (i, &(lane, Found { point: position, primitive })) in hits.iter().enumerate() {
-        each(lane, Landing { position, direction: headings.get(i).direction, primitive });
+        each(lane, Landing::conformal(position, headings.get(i).direction, primitive));
     }
 }

@@ -6,7 +6,9 @@
 use glam::DVec3;
 
 use super::transport::{Landing, Transport};
-use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment, SupportingSurface};
+use crate::geometry::{
+    Found, Geometry, Line, Need, PrimitiveId, Query, Search, Segment, Skim, SupportingSurface,
+};
 use crate::math::columns::{Columns, LANES, Row, columns};
 use crate::math::kernel::{Kernel, map};
 
@@ -15,8 +17,8 @@ pub trait Retrace: Transport {
     /// A step, of which parts are wanted.
     type Span: Row;
 
-    /// Step that a ray took.
-    fn span(&self, flight: &Self::Flight, step: &Self::Move) -> Self::Span;
+    /// Step that a ray took, and a point (world) that it leads to.
+    fn span(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> Self::Span;
 
     /// Guess which part of a step leads to `point` (world), in [0, 1].
     fn part_near(&self, flight: &Self::Flight, step: &Self::Move, point: DVec3) -> f64;
@@ -31,6 +33,21 @@ pub trait Retrace: Transport {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     );
+
+    /// Pose beside the point of a span, given about what part of the step leads there.
+    fn pose_beside(&self, span: &Self::Span, part: &PartialStep) -> Pose {
+        self.pose(span, part)
+    }
+
+    /// Poses beside the points of blocks of spans, given about what parts of the steps lead there.
+    fn pose_beside_all(
+        &self,
+        spans: &[<Self::Span as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        self.pose_all(spans, parts, poses);
+    }
 
     /// Largest error of a ray's direction, radians.
     fn tolerance(&self) -> f64;
@@ -151,7 +168,7 @@ pub struct RayLandings<S: Row> {
     parts: Columns<PartialStep>,
     poses: Columns<Pose>,
     arrivals: Columns<SurfaceArrival>,
-    between: Search<Line>,
+    between: Search<Skim>,
 }
 
 impl<S: Row> Default for RayLandings<S> {
@@ -177,7 +194,11 @@ fn approach<T: Retrace>(
     found: Found,
 ) -> (T::Span, SupportingSurface, PartialStep) {
     let s = transport.part_near(flight, step, found.point);
-    (transport.span(flight, step), geometry.support(found.primitive), PartialStep { s, is_near: false })
+    (
+        transport.span(flight, step, found.point),
+        geometry.support(found.primitive),
+        PartialStep { s, is_near: false },
+    )
 }
 
 /// Moves a crossing from the segment to the ray, where that stays on the primitive and beside nothing else.
@@ -188,7 +209,7 @@ pub fn land_on_ray<T: Retrace>(
     found: Found,
 ) -> Landing {
     let (span, support, part) = approach(transport, geometry, ray, found);
-    let mut pose = transport.pose(&span, &part);
+    let mut pose = transport.pose_beside(&span, &part);
     let correcting = Correcting::to(transport.tolerance());
     for _ in 0..MOST_CORRECTIONS {
         let part = correcting.run(&support, &pose);
@@ -224,7 +245,7 @@ pub fn land_all_on_rays<T: Retrace>(
         supports.set(i, support);
         parts.set(i, part);
     }
-    transport.pose_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
+    transport.pose_beside_all(spans.blocks(lanes), parts.blocks(lanes), poses.blocks_mut(lanes));
     let correcting = Correcting::to(transport.tolerance());
     for block in 0..lanes.div_ceil(LANES) {
         let of = block..block + 1;
@@ -242,7 +263,7 @@ pub fn land_all_on_rays<T: Retrace>(
     map(&Arriving, supports.blocks(lanes), poses.blocks(lanes), arrivals.blocks_mut(lanes));
     between.queries.gather(lanes, |i| {
         let Found { point, primitive } = hits[i].1;
-        let segment = Line { p0: point, p2: arrivals.get(i).position };
+        let segment = Skim(Line { p0: point, p2: arrivals.get(i).position });
         Query { segment, origin_prim: primitive, need: Need::Whole }
     });
     geometry.search_all(between, lanes);
@@ -256,7 +277,7 @@ pub fn land_all_on_rays<T: Retrace>(
 
 /// First primitive between where the segment meets a primitive and where the ray does.
 fn first_between(geometry: &Geometry, found: Found, arrival: &SurfaceArrival) -> Option<PrimitiveId> {
-    let way = Line { p0: found.point, p2: arrival.position };
+    let way = Skim(Line { p0: found.point, p2: arrival.position });
     geometry.intersect(&way, found.primitive).map(|hit| hit.primitive)
 }
 
@@ -280,7 +301,7 @@ fn land<T: Retrace>(
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
         if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
-            return Landing { position, direction, primitive };
+            return Landing::conformal(position, direction, primitive);
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
         let reach = 2.0 * moved * direction;
@@ -289,12 +310,12 @@ fn land<T: Retrace>(
         if course.is_some_and(|course| moved < 0.1 * position.distance(course.chord().start)) {
             let tangent = Line { p0: position - reach, p2: position + reach };
             if let Some(hit) = geometry.intersect(&tangent, primitive.none_beside()) {
-                return Landing { position: tangent.point(hit.s), direction, primitive: hit.primitive };
+                return Landing::conformal(tangent.point(hit.s), direction, hit.primitive);
             }
         }
     }
     let (flight, step) = ray();
     let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
-    let direction = transport.pose(&span, &part).tangent;
-    Landing { position: point, direction: direction.normalize(), primitive }
+    let direction = transport.pose_beside(&span, &part).tangent;
+    Landing::conformal(point, direction.normalize(), primitive)
 }

@@ -8,6 +8,7 @@
 
 mod arc_sweep;
 mod choice;
+pub(crate) mod cpu_clock;
 pub mod curved;
 mod edge_pixels;
 mod field;

@@ -74,7 +74,7 @@ impl<M: ConformallyFlat> PaperMarch<M> {
         if let Some(Found { point, primitive }) = found {
             if (point - self.center).distance(flight.position) < SIGMA {
                 let direction = flight.momentum.normalize();
-                return Outcome::Landed(Landing { position: point, direction, primitive });
+                return Outcome::Landed(Landing::conformal(point, direction, primitive));
             }
             let closer = PaperFlight { step: SHRINK * flight.step, steps, ..*flight };
             return if steps < MAX_ITERATIONS { Outcome::Flying(closer) } else { Outcome::StepLimit };

@@ -13,7 +13,7 @@ use super::halt::Halt;
 use super::illumination::{Illumination, LightSummary};
 use super::job::Job;
 use super::learn::lamp_edges::LampEdges;
-use super::learn::{photons, visible_caps};
+use super::learn::{lessons, photons, visible_caps};
 use super::run::{Run, Threads};
 use super::samples::Samples;
 use super::split::short_paths;
@@ -34,7 +34,7 @@ const PATHS: (f64, f64) = (256.0, 4096.0);
 const TURN: [f64; 2] = [0.04, 0.015];
 /// Time beyond that of the probe after which a turn is given up.
 const LONGEST: Duration = Duration::from_secs(3);
-/// Photons sent at most: what they cost is proportional to their number.
+/// Photons sent at most in a lesson: what they cost is proportional to their number.
 const PHOTONS: u32 = 1 << 15;
 /// Columns and rows of a neighbourhood in which edges are looked for.
 const NEIGHBOURHOOD: usize = 8;
@@ -50,7 +50,7 @@ const EDGE_SAMPLES: u32 = 2;
 pub struct Probe {
     /// Worker threads.
     pub threads: usize,
-    /// Wall time of learning of light sampling before the first sample, seconds.
+    /// Wall time of learning of light sampling, seconds.
     pub learning: f64,
     /// Summary of light sampling; `None` where it is off or of no use.
     pub lights: Option<LightSummary>,
@@ -100,7 +100,7 @@ impl Prober<'_> {
         let settings = Settings { spp, ..self.scene.settings.clone() };
         let halt = Halt::after(LONGEST.saturating_add(self.limit));
         let mut job = Job::new(self.scene, &settings, halt);
-        let learning = learn(&mut job, transport);
+        let learning = learn(&mut job, transport, self.scene.settings.spp);
         let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());
         let workers = |schedule| Workers::new(schedule, self.run.batch);
@@ -186,18 +186,25 @@ impl<T: Transport> Turns<'_, T> {
     }
 }
 
-/// Learns what there is to learn of the lights, from fewer photons than a render; the seconds that it takes a render.
-fn learn<T: Transport>(job: &mut Job, transport: &T) -> f64 {
+/// Learns what there is to learn of the lights, from fewer rays than a render of so many samples; the seconds that all
+/// of its lessons take.
+fn learn<T: Transport>(job: &mut Job, transport: &T, samples: u32) -> f64 {
     let started = Instant::now();
     let Some(mut illumination) = Illumination::of(job.scene, transport) else { return 0.0 };
-    visible_caps::learn(job, transport, &mut illumination);
-    let before = started.elapsed().as_secs_f64();
-    let photons = photons::count(job.settings);
-    let sent = photons.min(PHOTONS);
-    photons::learn(job, transport, &mut illumination, sent);
-    let sending = started.elapsed().as_secs_f64() - before;
+    let pixels = job.settings.width * job.settings.height;
+    let first = started.elapsed().as_secs_f64();
+    let (mut looking, mut sending) = (0.0, 0.0);
+    for lesson in lessons(samples) {
+        let started = Instant::now();
+        visible_caps::learn(job, transport, &mut illumination, lesson);
+        looking += started.elapsed().as_secs_f64();
+        let photons = photons::count(pixels, lesson);
+        let (started, sent) = (Instant::now(), photons.min(PHOTONS));
+        photons::learn(job, transport, &mut illumination, sent);
+        sending += started.elapsed().as_secs_f64() * f64::from(photons) / f64::from(sent);
+    }
     job.illumination = Some(illumination);
-    before + sending * f64::from(photons) / f64::from(sent)
+    first + looking + sending
 }
 
 /// The part of the picture that is rendered.

@@ -8,9 +8,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::choice::{with_medium, with_render_transport};
+use super::cpu_clock;
 use super::halt::Halt;
+use super::illumination::Illumination;
 use super::job::Job;
-use super::learn::learn_lights;
 use super::passes::pass_of;
 use super::run::{Run, Threads};
 use super::split::trace_split;
@@ -59,15 +60,14 @@ pub struct Session<'a> {
     threads: Threads,
     tracer: Box<dyn Tracer + 'a>,
     state: State,
-    /// Time spent in learning.
+    /// CPU time spent in learning.
     learning: Duration,
-    /// Time spent in learning and passes.
-    spent: Duration,
+    /// Wall time and CPU time spent in learning and passes.
+    spent: [Duration; 2],
 }
 
 impl<'a> Session<'a> {
-    /// Begins a render of `scene` by `run`: learns what there is to learn of its lights. The time limit of `run` starts
-    /// here. Setting `cancel` ends this and every pass at once.
+    /// Begins a render of `scene` by `run`. The time limit of `run` starts here. Setting `cancel` ends this and every pass at once.
     pub fn new(scene: &'a Baked, run: &'a Run, cancel: &'a AtomicBool) -> Self {
         Self::with(scene, run, cancel, State::new(&scene.settings, run))
     }
@@ -97,21 +97,27 @@ impl<'a> Session<'a> {
         state: State,
         choose: impl FnOnce(Opening<'a>) -> Box<dyn Tracer + 'a> + Send,
     ) -> Self {
-        let started = Instant::now();
+        let watch = Watch::start();
         let halt = Halt::new(cancel, run.time_limit);
         let threads = Threads::new(run.threads);
         let tracer = threads.run(|| choose(Opening { scene, run, halt }));
-        let learning = started.elapsed();
-        Self { scene, run, threads, tracer, state, learning, spent: learning }
+        Self { scene, run, threads, tracer, state, learning: Duration::ZERO, spent: watch.elapsed() }
     }
 
     /// Takes the next few samples of every pixel, at most up to `end` in all; `each` is called after each finished
     /// tile, from worker threads, with the camera paths that were added. False once there is nothing to add: all have
     /// `end` samples, or the session was cancelled or its time is over. Pixels that miss a pass keep the samples of the
-    /// passes before.
+    /// passes before. Some passes learn of the lights first.
     pub fn pass(&mut self, end: u32, each: impl Fn(u64) + Sync) -> bool {
-        let (started, first) = (Instant::now(), self.state.spp());
-        let end = pass_of(first.min(MAX_SPP - 1)).end.min(end);
+        let (watch, first) = (Watch::start(), self.state.spp());
+        if first >= end {
+            return false;
+        }
+        let pass = pass_of(first.min(MAX_SPP - 1));
+        let tracer = &mut self.tracer;
+        self.threads.run(|| tracer.learn(pass.end));
+        self.learning += watch.elapsed()[1];
+        let end = pass.end.min(end);
         let (tracer, scene, wanted) = (self.tracer.as_ref(), self.scene, self.state.wanted());
         let tiles = self.state.tiles_mut();
         self.threads.run(|| {
@@ -126,7 +132,8 @@ impl<'a> Session<'a> {
         if self.state.unsampled() == 0 {
             tracer.halt().has_picture();
         }
-        self.spent += started.elapsed();
+        let [wall, cpu] = watch.elapsed();
+        self.spent = [self.spent[0] + wall, self.spent[1] + cpu];
         self.state.spp() > first
     }
 
@@ -162,6 +169,22 @@ impl<'a> Session<'a> {
     }
 }
 
+/// Wall clock and CPU clock of the process, read at the same moments.
+struct Watch {
+    wall: Instant,
+    cpu: Duration,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Self { wall: Instant::now(), cpu: cpu_clock::of_process() }
+    }
+
+    fn elapsed(&self) -> [Duration; 2] {
+        [self.wall.elapsed(), cpu_clock::of_process().saturating_sub(self.cpu)]
+    }
+}
+
 /// Entries of the file's header; entity names only beside the plane of their numbers.
 fn attributes(scene: &Baked, run: &Run, spp: u32) -> Vec<(String, String)> {
     let mut attributes =
@@ -185,9 +208,10 @@ impl<'a> TransportVisitor for Opening<'a> {
 
     fn run<T: Transport + 'static>(self, transport: T) -> Box<dyn Tracer + 'a> {
         let settings = &self.scene.settings;
-        let mut job = Job::new(self.scene, settings, self.halt);
-        learn_lights(&mut job, &transport);
-        Box::new(Tracing { job, transport, workers: Workers::new(settings.schedule, self.run.batch) })
+        let illumination = Illumination::of(self.scene, &transport);
+        let job = Job { illumination, ..Job::new(self.scene, settings, self.halt) };
+        let workers = Workers::new(settings.schedule, self.run.batch);
+        Box::new(Tracing { job, transport, workers, lesson: 0 })
     }
 }
 

@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+use super::cpu_clock;
 
 /// Rays by fate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -36,17 +38,17 @@ pub struct Counters {
     pub fates: Fates,
 }
 
-/// Items handled by a stage, and the time that worker threads took for them, added over threads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+/// Items handled by a stage, and the CPU time that worker threads took for them, added over threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageCost {
-    /// Thread time, seconds.
+    /// CPU time, seconds.
     pub seconds: f64,
     /// Rays handled, or paths: a ray counts once in every round in which the stage handles it.
     pub items: u64,
 }
 
 /// Occupancy of the vectors, added over rounds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Occupancy {
     /// Rounds.
     pub rounds: u64,
@@ -59,9 +61,9 @@ pub struct Occupancy {
 }
 
 /// Items and time of each stage, and occupancy of the vectors; all but `learning` in the wavefront schedule only.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageTimes {
-    /// Learning of light sampling before the first camera ray, wall time, seconds.
+    /// Learning of light sampling before passes, CPU time of all threads, seconds.
     pub learning: f64,
     /// Camera rays.
     pub generate: StageCost,
@@ -86,6 +88,8 @@ pub struct StageTimes {
 pub struct Stats {
     /// Wall time of the render, seconds.
     pub seconds: f64,
+    /// CPU time of all threads, seconds.
+    pub cpu_seconds: f64,
     /// Worker threads.
     pub threads: usize,
     /// Work done.
@@ -170,6 +174,14 @@ impl StageTimes {
         self.occupancy.blocks += occupancy.blocks;
     }
 
+    fn scale(&mut self, by: f64) {
+        let Self { learning: _, generate, advance, intersect, settle, escape, scatter, film, occupancy: _ } =
+            self;
+        for stage in [generate, advance, intersect, settle, escape, scatter, film] {
+            stage.seconds *= by;
+        }
+    }
+
     /// The stages by name, in the order of a round.
     pub fn named(&self) -> [(&'static str, StageCost); 7] {
         [
@@ -185,12 +197,13 @@ impl StageTimes {
 }
 
 impl Stats {
-    /// Rates from counts and times.
-    pub fn new(counters: Counters, stages: StageTimes, elapsed: Duration, threads: usize) -> Self {
-        let seconds = elapsed.as_secs_f64();
+    /// Rates from counts and times, `elapsed` on the wall and on the CPUs.
+    pub fn new(counters: Counters, stages: StageTimes, elapsed: [Duration; 2], threads: usize) -> Self {
+        let [seconds, cpu_seconds] = elapsed.map(|time| time.as_secs_f64());
         let per = |count: u64, of: f64| if of > 0.0 { count as f64 / of } else { 0.0 };
         Self {
             seconds,
+            cpu_seconds,
             threads,
             counters,
             paths_per_second: per(counters.paths, seconds),
@@ -212,19 +225,39 @@ fn peak_memory() -> Option<u64> {
     Some(1024 * kilobytes)
 }
 
-/// Times consecutive stages with one clock reading each.
-pub struct Lap(Instant);
+/// Times consecutive stages of a thread's work with one reading of the wall clock each, which is cheap, and the whole
+/// work with two readings of the CPU's clock, which are not: at the end, stages get their shares of the CPU time.
+pub struct Lap {
+    times: StageTimes,
+    started: Instant,
+    last: Instant,
+    cpu: Duration,
+}
 
 impl Lap {
     /// Starts the clock.
     pub fn start() -> Self {
-        Self(Instant::now())
+        let now = Instant::now();
+        Self { times: StageTimes::default(), started: now, last: now, cpu: cpu_clock::of_thread() }
     }
 
-    /// Adds the time since the last lap, in which `items` were handled, to `stage`.
-    pub fn end(&mut self, stage: &mut StageCost, items: usize) {
+    /// Adds the time since the last lap, in which `items` were handled, to a stage.
+    pub fn end(&mut self, stage: impl FnOnce(&mut StageTimes) -> &mut StageCost, items: usize) {
         let now = Instant::now();
-        stage.add(&StageCost { seconds: (now - self.0).as_secs_f64(), items: items as u64 });
-        self.0 = now;
+        let seconds = (now - self.last).as_secs_f64();
+        stage(&mut self.times).add(&StageCost { seconds, items: items as u64 });
+        self.last = now;
+    }
+
+    /// Counts a round, see [`Occupancy::count`].
+    pub fn count(&mut self, live: usize, lanes: usize, block: usize) {
+        self.times.occupancy.count(live, lanes, block);
+    }
+
+    /// CPU time of each stage.
+    pub fn finish(mut self) -> StageTimes {
+        let (cpu, wall) = (cpu_clock::of_thread().saturating_sub(self.cpu), self.last - self.started);
+        self.times.scale(cpu.as_secs_f64() / wall.as_secs_f64().max(f64::MIN_POSITIVE));
+        self.times
     }
 }

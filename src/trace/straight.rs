@@ -133,7 +133,7 @@ impl Transport for Straight {
         let direction = flight.direction;
         let outcome = match found {
             Some(Found { point, primitive }) => {
-                Outcome::Landed(Landing { position: point, direction, primitive })
+                Outcome::Landed(Landing::conformal(point, direction, primitive))
             }
             None => Outcome::Escaped(AtInfinity::near(direction)),
         };

@@ -40,7 +40,7 @@ fn media_after(scene: &Baked, side: Side, start: DVec3, end: DVec3) -> Option<Me
         let line = Line { p0: position, p2: end };
         let Some(hit) = scene.geometry.intersect(&line, origin_prim) else { return Some(media) };
         position = line.point(hit.s);
-        let landing = Landing { position, direction, primitive: hit.primitive };
+        let landing = Landing::conformal(position, direction, hit.primitive);
         let meeting = meet(scene, &landing, media);
         (origin_prim, media) = (meeting.primitive, meeting.incidence(direction, media).crossing.into);
     }

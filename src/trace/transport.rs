@@ -12,7 +12,7 @@ use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::light::LightSampler;
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
-use crate::spacetime::{AtInfinity, Side};
+use crate::spacetime::{AtInfinity, Side, Stretch};
 
 /// Arrival of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,16 @@ pub struct Landing {
     pub direction: DVec3,
     /// Primitive that is met.
     pub primitive: PrimitiveId,
+    /// Stretch of the space at rest there.
+    pub stretch: Stretch,
+}
+
+impl Landing {
+    /// Arrival where the angles of the chart are true.
+    #[inline(always)]
+    pub fn conformal(position: DVec3, direction: DVec3, primitive: PrimitiveId) -> Self {
+        Self { position, direction, primitive, stretch: Stretch::NONE }
+    }
 }
 
 /// Outcome of a ray's move.
@@ -179,6 +189,11 @@ pub trait Transport: Send + Sync + Sized {
 
     /// The whole of a move, in world coordinates; `None` if the step was not good enough to be taken.
     fn course(&self, flight: &Self::Flight, step: &Self::Move) -> Option<Self::Segment>;
+
+    /// Largest distance between a course and its ray, scene units, if that is more than next to nothing.
+    fn course_error(&self) -> f64 {
+        0.0
+    }
 
     /// Coordinate length of a move, up to `point` if given.
     fn length(&self, flight: &Self::Flight, step: &Self::Move, point: Option<DVec3>) -> f64;
@@ -357,7 +372,8 @@ mod tests {
             let mut ends = Vec::new();
             batch.follow(&sided, &geometry, &[*start], &halt, &mut ends);
             assert_eq!(ends, [(shot.end, side)]);
-            let Outcome::Landed(Landing { position, direction, primitive: origin_prim }) = shot.end else {
+            let Outcome::Landed(Landing { position, direction, primitive: origin_prim, .. }) = shot.end
+            else {
                 panic!("{:?}", shot.end)
             };
             Start { position, direction: -direction, origin_prim, carried: side }

@@ -102,31 +102,32 @@ impl<T: Transport> Wavefront<T> {
             }
             let before = self.live;
             self.generate(job, transport, work, &mut next, counters);
-            lap.end(&mut times.generate, self.live - before);
+            lap.end(|times| &mut times.generate, self.live - before);
             if self.live == 0 {
+                times.add(&lap.finish());
                 return Some(());
             }
-            times.occupancy.count(self.live, self.exactly.len(), LANES);
+            lap.count(self.live, self.exactly.len(), LANES);
             transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
-            lap.end(&mut times.advance, self.live);
+            lap.end(|times| &mut times.advance, self.live);
             self.intersect(job, transport, counters);
-            lap.end(&mut times.intersect, self.live);
+            lap.end(|times| &mut times.intersect, self.live);
             self.settle(job, transport, samples, counters);
-            lap.end(&mut times.settle, self.live);
+            lap.end(|times| &mut times.settle, self.live);
             let Events { landed, lit, specular, gone, escaped, ended, .. } = &self.events;
             let (lost, met) =
                 (escaped.len() + ended.len(), landed.len() + lit.len() + specular.len() + gone.len());
             self.escape(job, samples);
-            lap.end(&mut times.escape, lost);
+            lap.end(|times| &mut times.escape, lost);
             self.through_specular(job);
             self.gather(counters);
             self.shade(job, samples, counters);
             transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
             self.events.starts.clear();
-            lap.end(&mut times.scatter, met);
+            lap.end(|times| &mut times.scatter, met);
             let finished = self.events.finished.len();
             self.film(samples);
-            lap.end(&mut times.film, finished);
+            lap.end(|times| &mut times.film, finished);
         }
     }
 

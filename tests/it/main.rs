@@ -12,6 +12,7 @@ mod geodesics {
     mod geodesic_reference;
     mod gradient_index;
     mod kerr;
+    mod kerr_connections;
     mod kerr_scenes;
     mod kerr_tolerance;
     mod schwarzschild_rays;
@@ -41,6 +42,7 @@ mod light {
     mod light_sampling;
     mod lights_near_the_hole;
     mod regions;
+    mod spinning_lights;
 }
 
 mod pictures {
@@ -69,6 +71,7 @@ mod commands {
     mod cli;
     mod compare;
     mod connect;
+    mod connect_spinning;
     mod endings;
     mod forecast;
     mod rays;

@@ -19,11 +19,15 @@
 //! References: separation: Carter 1968, Phys. Rev. 174, 1559; λ: Mino 2003, Phys. Rev. D 67, 084027; Kerr–Schild:
 //! Debney, Kerr, Schild 1969, J. Math. Phys. 10, 1842.
 
+mod aim;
+mod connection;
 mod constants;
+mod flow;
 mod follow;
 mod hamiltonian;
 mod hole;
 mod launch;
+mod orbit_table;
 mod photon;
 mod place;
 mod plane;
@@ -33,11 +37,14 @@ mod state;
 mod step;
 mod time;
 
+pub use aim::{Aimed, KerrPlace, turned};
+pub use connection::{KerrConnection, KerrConnector};
 pub use constants::Constants;
 pub use follow::{KerrEnd, KerrJourney, follow, follow_by};
 pub use hamiltonian::{PhotonEnd, PhotonJourney, follow_photon};
 pub use hole::UnitHole;
 pub use launch::KerrLaunch;
+pub use orbit_table::{OrbitTable, PlaneRay, TablePlace};
 pub use photon::KerrPhoton;
 pub use place::PlacedHole;
 pub use plane::{OrbitPlane, PlaneOrbit, PlaneOrbitEnd};

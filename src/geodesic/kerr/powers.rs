@@ -15,7 +15,7 @@ pub fn with_powers<W: UsePowers>(tolerance: f64, work: W) -> W::Output {
     if tolerance >= 1e-4 {
         work.with::<8>()
     } else if tolerance >= 1e-7 {
-        work.with::<10>()
+        work.with::<12>()
     } else {
         work.with::<14>()
     }

@@ -46,6 +46,17 @@ fn square<const P: usize>(a: &[f64; P], n: usize) -> f64 {
     if n.is_multiple_of(2) { sum + a[n / 2] * a[n / 2] } else { sum }
 }
 
+/// Sum from power 2 on at `h`, and its derivative.
+#[inline(always)]
+fn sums<const P: usize>(series: &[f64; P], h: f64) -> (f64, f64) {
+    let (mut value, mut slope) = (0.0, 0.0);
+    for i in (2..P).rev() {
+        value = value * h + series[i];
+        slope = slope * h + i as f64 * series[i];
+    }
+    (h * h * value, h * slope)
+}
+
 /// The whole series while it is made.
 struct Coefficients<const P: usize> {
     u: [f64; P],
@@ -179,6 +190,17 @@ impl<const P: usize> Series<P> {
         whole.kept
     }
 
+    /// Length of λ over which u changes by `change`, in the sense in which it changes at the start: by its speed and
+    /// acceleration there.
+    #[inline(always)]
+    pub fn fall_by(&self, change: f64) -> f64 {
+        let MinoState { u, v, .. } = self.start;
+        let acceleration = 2.0 * self.u[2] - self.omega * self.omega * u;
+        let speed2 = v * v + 2.0 * acceleration * change;
+        let speed = v.abs() + if speed2 > 0.0 { speed2 } else { 0.0 }.sqrt();
+        2.0 * change.abs() / (speed + f64::MIN_POSITIVE)
+    }
+
     /// The ray after `h`, for ω|h| up to 1.7.
     #[inline(always)]
     pub fn at(&self, hole: &UnitHole, h: f64) -> SeriesPoint {
@@ -190,20 +212,11 @@ impl<const P: usize> Series<P> {
         let sine = 2.0 * s * c;
         let ratio = sine / self.omega;
         let reach = if angle.abs() > 1e-9 { ratio } else { h };
-        let h2 = h * h;
-        let sums = |series: &[f64; P]| {
-            let (mut value, mut slope) = (0.0, 0.0);
-            for i in (2..P).rev() {
-                value = value * h + series[i];
-                slope = slope * h + i as f64 * series[i];
-            }
-            (h2 * value, h * slope)
-        };
-        let (du, dv) = sums(&self.u);
+        let (du, dv) = sums(&self.u, h);
         let rise = v * reach - u * versine + du;
         let v_end = (v - v * versine) - u * (self.omega * sine) + dv;
         let [x, y, z] = &self.n;
-        let ((dx, dmx), (dy, dmy), (dz, dmz)) = (sums(x), sums(y), sums(z));
+        let ((dx, dmx), (dy, dmy), (dz, dmz)) = (sums(x, h), sums(y, h), sums(z, h));
         let way = reach * m - versine * n + DVec3::new(dx, dy, dz);
         let m_end = (m - versine * m) - (self.omega * sine) * n + DVec3::new(dmx, dmy, dmz);
         let mut turns = 0.0;

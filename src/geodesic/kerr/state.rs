@@ -46,6 +46,13 @@ impl MinoState {
         KerrPhoton { x: hole.position(self.u, self.n), p: self.momentum(hole, constants), t: 0.0 }
     }
 
+    /// First derivative of the position in the chart with respect to the parameter of [`Self::motion`].
+    #[inline(always)]
+    pub fn velocity(&self, hole: &UnitHole, constants: &Constants) -> DVec3 {
+        let [velocity, _] = self.motion(hole, constants);
+        velocity
+    }
+
     /// First and second derivatives of the position in the chart with respect to a parameter s with dλ = u² ds, in which
     /// both stay finite far away; the second up to a multiple of the first, which does not bend the ray.
     #[inline(always)]

@@ -35,10 +35,13 @@ const LARGEST_STRAIN: f64 = 0.02;
 const SHORT: f64 = 0.1;
 /// Largest slip of a step.
 const LARGEST_SLIP: f64 = 0.05;
-/// Largest part of the way to the horizon that a step takes, at the rate at its start.
-const LONGEST_FALL: f64 = 1.0;
+/// Least of the way to the horizon that steps are measured by, as a part of its inverse radius.
+const SHORTEST_FALL: f64 = 0.1;
 /// Angle that a step sweeps at most, radians.
 const WIDEST: f64 = 1.6;
+/// Largest error that a step's fourth last coefficient may tell, relative to what the last two may: those are sometimes
+/// both small by chance, and from a turning point on every other one vanishes.
+const COINCIDENCE: f64 = 60.0;
 /// Inverse radius that is beyond the horizon, relative to it.
 const BEYOND: f64 = 1.02;
 
@@ -47,7 +50,7 @@ const BEYOND: f64 = 1.02;
 const fn calibration(powers: usize) -> f64 {
     match powers {
         ..=8 => 0.8,
-        9..=10 => 0.6,
+        9..=12 => 0.6,
         _ => 0.25,
     }
 }
@@ -58,7 +61,7 @@ impl SeriesControl {
         Self { tolerance: calibration(powers) * tolerance.max(100.0 * f64::EPSILON) }
     }
 
-    /// Length of a step from the start of `series`: by its last two coefficients, and short beside the hole.
+    /// Length of a step from the start of `series`: by its last coefficients, and short beside the hole.
     #[inline(always)]
     pub fn length<const P: usize>(&self, hole: &UnitHole, series: &Series<P>) -> f64 {
         let Series { start, omega, u, n: [x, y, z], winding } = series;
@@ -68,15 +71,18 @@ impl SeriesControl {
         let before = if before > wound { before } else { wound };
         // (tolerance/size)^(1/power), in logarithms: coefficients of far rays go as large powers of ω.
         let log2 = fast_log2::wide_log2;
-        let root = |log2: i32, power: usize| (log2 as f32 * (1.0 / power as f32)) as i32;
+        let root = |log2: i32, power: usize| log2 / power as i32;
         let last = root(log2(self.tolerance) - log2(size(P - 1)), P - 1);
         let last_but_one = root(log2(self.tolerance) - log2(before), P - 2);
+        let guard = root(log2(COINCIDENCE * self.tolerance) - log2(size(P - 4)), P - 4);
         // Radial rays have ω = 0, but must not leave the chart.
         let strain = log2(LARGEST_STRAIN) - log2((P - 1) as f64 * u[P - 1].abs());
-        let shortest = last.min(last_but_one).min(root(strain, P - 2));
+        let shortest = last.min(last_but_one).min(guard).min(root(strain, P - 2));
         let accurate = fast_log2::wide_exp2(shortest);
         let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
-        let fall = LONGEST_FALL * hole.horizon / (start.v.abs() + f64::MIN_POSITIVE);
+        let (left, least) = (hole.horizon - start.u, SHORTEST_FALL * hole.horizon);
+        let fall = series.fall_by(if left > least { left } else { least });
+        let fall = if start.v > 0.0 { fall } else { f64::INFINITY };
         accurate.min(wide).min(fall)
     }
 }

@@ -121,7 +121,7 @@ impl Lens {
     pub fn classify(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
         let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
         let b = across.length().max(RADIAL) / x.q;
-        let track = if (x.s > 0.0) != (y.s > 0.0) {
+        let track = if x.is_beyond(y) {
             self.through(x, y, (self.critical - b).max(0.0) / b)
         } else {
             let side = x.s.signum();

@@ -13,8 +13,12 @@ pub struct Lens {
     pub(super) critical: f64,
     /// Inverse radius of the photon sphere.
     photon_sphere: f64,
-    /// h(s) on both sides of the photon sphere.
-    pub(super) through: Chebyshev,
+    /// h(s) on both sides of the photon sphere; `None` if a cylindrical throat is between them.
+    pub(super) through: Option<Chebyshev>,
+    /// Half the length of a cylindrical throat over its radius; 0 without one.
+    tube: f64,
+    /// Imaginary s within which h is analytic, at most 1.
+    pub(super) waist: f64,
     /// h(s) outside.
     pub(super) outside: Chebyshev,
     /// h(s) inside.
@@ -44,10 +48,15 @@ pub struct Site {
     pub(super) q: f64,
     /// s.
     pub(super) s: f64,
+    /// Proper radius over that of a cylindrical throat, up to its ends; 0 without one.
+    pub(super) depth: f64,
 }
 
 /// Terms of the polynomials: enough for rounding.
 const TERMS: usize = 48;
+/// Distance of an even function's singularities on the imaginary axis over its value at 0, about: those of h, if
+/// s² ∝ x² next to 0 and x = ±i is singular.
+const WAIST: f64 = 0.7;
 /// |s| below which s is found from w: its square loses digits.
 pub(super) const NEAR_PHOTON_SPHERE: f64 = 0.05;
 /// Inverse radius in units of the photon sphere's, beyond which the index of a horizon at the centre need not be known.
@@ -61,7 +70,9 @@ impl Lens {
             return None;
         }
         // Where the horizon is at the centre, w(s) has a pole at s = -1: it is fitted where it is asked for.
+        let (mouth, throat) = (medium.mouth(), medium.throat());
         let (innermost, near) = match medium.horizon() {
+            _ if mouth > 0.0 => (photon_sphere, (0.0, 0.5)),
             0.0 => (DEEPEST * photon_sphere, (-0.5, 0.5)),
             horizon => (1.0 / horizon, (-1.0, 1.0)),
         };
@@ -70,13 +81,15 @@ impl Lens {
             let is_lower = |w: f64| critical * w / medium.index(w) < 1.0 - s * s;
             bisect(low, high, |w| is_lower(w) == (s > 0.0))
         };
-        // Next to s = 0, where its quotient is 0/0, h is known from afar.
-        let whole = Chebyshev::fit(TERMS, (-1.0, 1.0), |s| {
+        let h = |s: f64| {
             let w = place(s);
             s / (1.0 - w * medium.pull(w) / medium.index_squared(w))
-        });
+        };
+        // Next to s = 0, where its quotient is 0/0, h is known from afar.
+        let whole = (mouth == 0.0).then(|| Chebyshev::fit(TERMS, (-1.0, 1.0), h));
         let part = |low: f64, high: f64| {
-            Chebyshev::fit(TERMS, (low, high), |s| whole.at(s)[0]).trimmed(0.1 * tolerance)
+            let value = |s: f64| whole.as_ref().map_or_else(|| h(s.abs()), |whole| whole.at(s)[0]);
+            Chebyshev::fit(TERMS, (low, high), value).trimmed(0.1 * tolerance)
         };
         let (inside, outside) = (part(-1.0, 0.0), part(0.0, 1.0));
         // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
@@ -84,7 +97,9 @@ impl Lens {
         Some(Self {
             critical,
             photon_sphere,
-            through: whole.trimmed(0.1 * tolerance),
+            waist: if whole.is_none() { (WAIST * outside.at(0.0)[0]).min(1.0) } else { 1.0 },
+            tube: if whole.is_none() { libm::log(mouth / throat) } else { 0.0 },
+            through: whole.map(|whole| whole.trimmed(0.1 * tolerance)),
             weak: 0.5 * (1.0 - outside.at(1.0)[1]),
             outside,
             inside,
@@ -101,6 +116,9 @@ impl Lens {
         let rho = x.length();
         let w = 1.0 / rho;
         let q = w / medium.index(w);
+        if self.through.is_none() && w > self.photon_sphere {
+            return Site { radial: x / rho, w, q, s: f64::EPSILON, depth: libm::log(rho / medium.throat()) };
+        }
         let size = (1.0 - self.critical * q).max(0.0).sqrt();
         let mut s = if w > self.photon_sphere { -size } else { size };
         if size < NEAR_PHOTON_SPHERE {
@@ -110,25 +128,36 @@ impl Lens {
             }
             s = s.abs().max(f64::EPSILON).copysign(s);
         }
-        Site { radial: x / rho, w, q, s }
+        Site { radial: x / rho, w, q, s, depth: self.tube }
+    }
+
+    /// The place at infinity in the unit direction `radial`.
+    pub fn infinity(&self, radial: DVec3) -> Site {
+        Site { radial, w: 0.0, q: 0.0, s: 1.0, depth: self.tube }
     }
 }
 
 impl Site {
-    /// The place at infinity in the unit direction `radial`.
-    pub fn infinity(radial: DVec3) -> Self {
-        Self { radial, w: 0.0, q: 0.0, s: 1.0 }
-    }
-
     /// Unit vector from the centre, as seen from the near side of a throat.
     pub fn radial(&self) -> DVec3 {
         self.radial
     }
 
+    /// True if one of the places is in a cylindrical throat, and the other is not at the same depth: rays between them do
+    /// not turn.
+    pub fn is_at_other_depth(&self, other: &Self) -> bool {
+        self.depth != other.depth
+    }
+
+    /// True if rays between the places pass the photon sphere, or a part of a cylindrical throat: they do not turn.
+    pub(super) fn is_beyond(&self, other: &Self) -> bool {
+        self.is_at_other_depth(other) || (self.s > 0.0) != (other.s > 0.0)
+    }
+
     /// The place on the other side of a throat that looks as this one does from here, in the unit direction `radial` as
     /// seen from this side. Geometry factors to it are to areas in its own chart.
     pub fn beyond_throat(self, radial: DVec3) -> Self {
-        Self { radial, s: -self.s, ..self }
+        Self { radial, s: -self.s, depth: -self.depth, ..self }
     }
 }
 

@@ -19,6 +19,10 @@
 //! hyperbolic substitutions take out what is singular near b = b_c, and a Gauss–Legendre rule with a few nodes gives φ
 //! and its derivative to any accuracy.
 //!
+//! A throat that is a cylinder is one point of it: there B is b_c, and a ray sweeps, per unit of the cylinder's length over
+//! its radius, 1/√(m² − 1). On its sides h is the same even function, whose singularities may be near s = 0, on the
+//! imaginary axis.
+//!
 //! Two points are joined by one ray in each winding class. Where they lie on the same side of the photon sphere, it is
 //! found as a straight line of the plane: γ, the angle that it sweeps there, is the unknown, and φ(γ) grows from 0
 //! without bound. Where they lie on both sides, m is. The solid angle at x over the area at y, in the chart, is

@@ -26,10 +26,10 @@ impl Lens {
 
     #[inline(always)]
     fn find_track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
-        if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE {
+        if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE && !x.is_at_other_depth(y) {
             return Some(self.circling(x, y, swept));
         }
-        if (x.s > 0.0) != (y.s > 0.0) {
+        if x.is_beyond(y) {
             // ln(m − 1), of which ln(e^φ − 1) is nearly a linear function.
             let wanted = size(swept);
             return root(
@@ -94,7 +94,7 @@ trait Family {
     fn at_root(&self, place: f64, slope: f64) -> Option<Track>;
 }
 
-/// Rays between two places on both sides of the photon sphere, by ln(m − 1).
+/// Rays between two places on both sides of the photon sphere, or in or beyond a cylindrical throat, by ln(m − 1).
 struct Across<'a> {
     lens: &'a Lens,
     x: &'a Site,

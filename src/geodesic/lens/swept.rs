@@ -11,7 +11,8 @@ impl Lens {
     #[inline(always)]
     pub(super) fn monotone(&self, fit: &Chebyshev, from: f64, to: f64, gap: f64, above: f64) -> (f64, f64) {
         // Where both singularities are far away, a longer unit would cost s its digits.
-        let unit = above.sqrt().min(1.0);
+        // Nor may singularities of h be nearer to the real axis.
+        let unit = above.sqrt().min(self.waist);
         let m = 1.0 + above;
         let (low, high) = (from.min(to), from.max(to));
         // Where the root below is 0, or h ceases to be analytic.

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Lens, Site};
+use super::Lens;
 use crate::spacetime::{ConformallyFlat, Schwarzschild};
 
 fn lens() -> (Schwarzschild, Lens) {
@@ -20,7 +20,7 @@ fn light_from_infinity_is_deflected_as_einstein_and_the_next_order_say() {
     let (hole, lens) = lens();
     for bend in [1e-2, 1e-3, 1e-4] {
         // Far behind the hole, swept π + bend.
-        let (x, y) = (Site::infinity(at(0.0)), lens.site(&hole, 1e9 * at(PI + bend)));
+        let (x, y) = (lens.infinity(at(0.0)), lens.site(&hole, 1e9 * at(PI + bend)));
         let ray = lens.connect(&x, &y, 1).unwrap();
         // bend = 2 r_s/b + 15π/16 (r_s/b)², less the angle b/ρ that is left.
         let expected = 2.0 / ray.b + 15.0 * PI / 16.0 / (ray.b * ray.b) - ray.b / 1e9;

@@ -54,13 +54,32 @@ impl Lens {
         (swept.is_finite() && track.rate > 0.0).then_some(track)
     }
 
-    /// The ray with m − 1 = `above` > 0 between two places on both sides of the photon sphere.
+    /// φ and dφ/dm of a ray with m − 1 = `above` > 0 between two places that it passes the photon sphere between, or a part
+    /// of a cylindrical throat.
+    #[inline(always)]
+    fn passing(&self, x: &Site, y: &Site, above: f64) -> (f64, f64) {
+        if let Some(fit) = &self.through {
+            return self.monotone(fit, x.s, y.s, (x.s - y.s).abs(), above);
+        }
+        let (low, high) = (x.s.min(y.s), x.s.max(y.s));
+        let m = 1.0 + above;
+        let inverse = 1.0 / (above * (m + 1.0));
+        let within = (x.depth - y.depth).abs() * inverse.sqrt();
+        let parts = [(&self.inside, low, high.min(0.0)), (&self.outside, low.max(0.0), high)];
+        let parts = parts.into_iter().filter(|(_, from, to)| from < to);
+        parts.fold((within, -m * inverse * within), |(swept, slope), (fit, from, to)| {
+            let (part, change) = self.monotone(fit, from, to, to - from, above);
+            (swept + part, slope + change)
+        })
+    }
+
+    /// The ray with m − 1 = `above` > 0 between two places that [`Site::is_beyond`] tells apart.
     #[inline(always)]
     pub(super) fn through(&self, x: &Site, y: &Site, above: f64) -> Option<Track> {
-        let (swept, slope) = self.monotone(&self.through, x.s, y.s, (x.s - y.s).abs(), above);
+        let (swept, slope) = self.passing(x, y, above);
         let m = 1.0 + above;
         let b = self.critical / m;
-        let way = if y.s > x.s { 1.0 } else { -1.0 };
+        let way = if (y.depth, y.s) > (x.depth, x.s) { 1.0 } else { -1.0 };
         // 1 − (b/B)², without cancellation.
         let [start, end] = [x, y].map(|site| {
             let s2 = site.s * site.s;

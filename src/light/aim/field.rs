@@ -155,7 +155,7 @@ impl LoneHole {
         };
         let there = match target {
             FieldTarget::Place(y) => site(y)?,
-            FieldTarget::Infinity(to) => Site::infinity(to),
+            FieldTarget::Infinity(to) => self.lens.infinity(to),
         };
         Some((site(x)?, there))
     }

@@ -100,7 +100,7 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
     }
 
     fn infinity(&self, AtInfinity { side, direction }: AtInfinity) -> LensedPlace {
-        let site = self.seen_near(side, Site::infinity(direction), || direction);
+        let site = self.seen_near(side, self.lens.infinity(direction), || direction);
         LensedPlace { position: direction, is_infinite: true, side, site }
     }
 
@@ -130,8 +130,8 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         } else {
             self.radius(x) + self.radius(y)
         };
-        let direction = if x.side != y.side {
-            // No formula is near enough: rays through the throat go any way.
+        let direction = if x.side != y.side || x.site.is_at_other_depth(&y.site) {
+            // No formula is near enough: rays through a throat go any way.
             self.link(x, y, winding).map_or(DVec3::ZERO, |link| link.arrival)
         } else if is_hidden {
             (y.position - x.position).normalize_or_zero()

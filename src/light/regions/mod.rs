@@ -1,30 +1,34 @@
 //! Regions: light sampling around a spinning hole, where no formula joins two places.
 //!
-//! For each winding number, an aim that is exact to first order in the spin tells about where a light is seen: a region
-//! of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
+//! For each winding number, an aim that is exact to first order in the spin, from a table of orbits, tells about where a
+//! light is seen: a region of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
 //! alone, so that a ray found by BSDF sampling has the density with which it could have been drawn; what they miss, and
 //! lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts, from wherever it comes.
 //!
-//! Only surfaces are sampled.
+//! Point, spot and distant lights are found by true connections; the sky is left to BSDF sampling.
 
-mod aim;
+mod connected;
 pub(super) mod shape;
+mod sight;
 mod view;
 
 use glam::DVec3;
 
+use super::aim::Link;
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
-use super::sampler::LightSampler;
-use crate::geodesic::kerr::PlacedHole;
+use super::sampler::{LightSampler, distant_sample, point_sample};
+use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole};
 use crate::spacetime::{AtInfinity, RestFrame};
+use connected::{light_at_infinity, light_place};
 use view::RegionView;
 
 /// Light sampling by regions of directions.
 pub struct Regions {
     place: PlacedHole,
     frame: RestFrame,
+    table: OrbitTable,
     /// True if rays that go around the hole are looked for, too: further windings dilute the samples more than they
     /// help.
     goes_around: bool,
@@ -33,20 +37,40 @@ pub struct Regions {
 impl Regions {
     /// Regions around the hole in its `place`, whose frame at rest is `frame`, for winding numbers up to `max_winding`.
     pub fn new(place: PlacedHole, frame: RestFrame, max_winding: u32) -> Self {
-        Self { place, frame, goes_around: max_winding > 0 }
+        let table = OrbitTable::new(&place.hole);
+        Self { place, frame, table, goes_around: max_winding > 0 }
+    }
+
+    /// A ray to a punctual light, and its probability.
+    fn link(&self, receiver: &Receiver, to: &KerrPlace, u: f64) -> Option<(Link, f64)> {
+        connected::link(&self.place, receiver.position, to, self.goes_around, u)
     }
 }
 
 impl LightSampler for Regions {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
-        let ChosenLight::Surface(emitter, pmf) = lights.choose(receiver, u0)? else { return None };
-        let view = RegionView::new(&self.place, receiver, emitter, self.goes_around)?;
-        let (direction, density) = view.sample(u)?;
-        Some(LightSample {
-            direction: self.place.outwards(direction),
-            target: Target::Surface(emitter.primitive, emitter.middle()),
-            light: Incoming::Radiance(emitter.radiance, pmf * density),
-        })
+        match lights.choose(receiver, u0)? {
+            ChosenLight::Surface(emitter, pmf) => {
+                let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around)?;
+                let (direction, density) = view.sample(u)?;
+                Some(LightSample {
+                    direction: self.place.outwards(direction),
+                    target: Target::Surface(emitter.primitive, emitter.middle()),
+                    light: Incoming::Radiance(emitter.radiance, pmf * density),
+                })
+            }
+            ChosenLight::Point(_, light, index, pmf) => {
+                let to = light_place(&self.place, light.position()?)?;
+                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                Some(point_sample((light, index), &link, pmf * ray_pmf))
+            }
+            ChosenLight::Distant(side, light, inverse_pmf) => {
+                let to = light_at_infinity(&self.place, -light.direction()?);
+                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                Some(distant_sample((side, light, inverse_pmf), &link, ray_pmf))
+            }
+            ChosenLight::Sky(..) => None,
+        }
     }
 
     fn surface_density(
@@ -61,7 +85,7 @@ impl LightSampler for Regions {
         if pmf == 0.0 {
             return 0.0;
         }
-        let view = RegionView::new(&self.place, receiver, emitter, self.goes_around);
+        let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around);
         pmf * view.map_or(0.0, |view| view.density(self.place.inwards(direction)))
     }
 
@@ -77,10 +101,6 @@ impl LightSampler for Regions {
         };
         let [normal] = self.frame.normals(end.position, [emitter.normal_at(end.position)]);
         emitter.both_sides || end.direction.dot(normal) < 0.0
-    }
-
-    fn samples_points(&self) -> bool {
-        false
     }
 
     fn samples_sky(&self) -> bool {

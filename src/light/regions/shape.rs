@@ -38,8 +38,9 @@ pub struct Sector {
     half: f64,
 }
 
-/// Size of regions relative to what the points about a light span.
-const WIDER: f64 = 1.3;
+/// Size of regions relative to what the points about a light span: where light may come around the hole, and elsewhere.
+const ARC_WIDER: f64 = 1.3;
+const WIDER: f64 = 1.1;
 /// Major half-axis of an ellipse beyond which a sector is tried.
 const LARGE: f64 = 0.15;
 /// Smallest angle between a sector and its pole, radians.
@@ -48,27 +49,20 @@ const NEAR_POLE: f64 = 0.03;
 const LARGEST: f64 = 2.0;
 
 impl Region {
-    /// The region about the direction of a light's `middle` and of `points` around it, and `margin` radians wider; a
-    /// sector is one about `pole`. `None` if it is so large that it is not worth while.
-    pub fn about(middle: DVec3, points: &[DVec3], pole: DVec3, margin: f64) -> Option<Self> {
-        let ellipse = Ellipse::about(middle, points, margin);
-        let is_small = |ellipse: &Ellipse| ellipse.reach.x <= LARGE;
-        let region = if ellipse.as_ref().is_some_and(is_small) {
-            ellipse.map(Self::Ellipse)
-        } else {
-            let area = ellipse.as_ref().map_or(f64::INFINITY, Ellipse::area);
-            let sector = Sector::about(middle, points, pole, margin).filter(|sector| sector.area() < area);
-            sector.map(Self::Sector).or(ellipse.map(Self::Ellipse))
+    /// The region about the direction of a light's `middle` and of `points` around it, and `margin` radians wider: a
+    /// sector about `pole`, if one is given, where an ellipse is too large. `None` if it is so large that it is not worth
+    /// while.
+    pub fn about(middle: DVec3, points: &[DVec3], pole: Option<DVec3>, margin: f64) -> Option<Self> {
+        let wider = if pole.is_some() { ARC_WIDER } else { WIDER };
+        let ellipse = Ellipse::about(middle, points, wider, margin);
+        let pole = pole.filter(|_| ellipse.as_ref().is_none_or(|ellipse| ellipse.reach.x > LARGE));
+        let area = ellipse.as_ref().map_or(f64::INFINITY, Ellipse::area);
+        let sector = pole.and_then(|pole| Sector::about(middle, points, pole, margin));
+        let region = match sector.filter(|sector| sector.area() < area) {
+            Some(sector) => Self::Sector(sector),
+            None => Self::Ellipse(ellipse?),
         };
-        region.filter(|region| region.area() < LARGEST)
-    }
-
-    /// The region about the direction of a light's `middle` with these changes of direction to its sides; `None` if it
-    /// is not small.
-    pub fn small(middle: DVec3, shifts: &[DVec3; 3], margin: f64) -> Option<Self> {
-        let points = shifts.map(|shift| [(middle + shift).normalize(), (middle - shift).normalize()]);
-        let ellipse = Ellipse::about(middle, points.as_flattened(), margin)?;
-        (ellipse.reach.x <= LARGE).then_some(Self::Ellipse(ellipse))
+        (region.area() < LARGEST).then_some(region)
     }
 
     /// Density of a direction that is drawn from it.
@@ -116,7 +110,7 @@ fn lambert(middle: DVec3, direction: DVec3) -> DVec3 {
 }
 
 impl Ellipse {
-    fn about(middle: DVec3, points: &[DVec3], margin: f64) -> Option<Self> {
+    fn about(middle: DVec3, points: &[DVec3], wider: f64, margin: f64) -> Option<Self> {
         let (x, y) = tangents(middle);
         // Half of the sum of squares of pairs of opposite points is that of the semi-axes.
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -133,7 +127,7 @@ impl Ellipse {
         let major = major.unwrap_or(DVec2::X);
         let axes = [major.x * x + major.y * y, major.x * y - major.y * x];
         let reach = DVec2::new(mean + root, (mean - root).max(0.0));
-        let reach = WIDER * DVec2::new(reach.x.sqrt(), reach.y.sqrt()) + margin;
+        let reach = wider * DVec2::new(reach.x.sqrt(), reach.y.sqrt()) + margin;
         // Within the hemisphere about the middle: further out the map is much distorted.
         (reach.x < SQRT_2).then_some(Self { middle, axes, reach })
     }
@@ -172,13 +166,13 @@ impl Sector {
             let azimuth = libm::atan2(point.dot(y), point.dot(x));
             (least, most) = (least.min(azimuth), most.max(azimuth));
         }
-        let wide = 0.5 * WIDER * (farthest - nearest) + margin;
+        let wide = 0.5 * ARC_WIDER * (farthest - nearest) + margin;
         let angle = 0.5 * (farthest + nearest);
         let (nearest, farthest) = (angle - wide, angle + wide);
         if !(nearest > NEAR_POLE && farthest < PI - NEAR_POLE) {
             return None;
         }
-        let half = (0.5 * WIDER * (most - least) + margin / libm::sin(angle)).min(PI);
+        let half = (0.5 * ARC_WIDER * (most - least) + margin / libm::sin(angle)).min(PI);
         let (sin, cos) = libm::sincos(0.5 * (least + most));
         let axes = [cos * x + sin * y, cos * y - sin * x];
         Some(Self { pole, axes, cos: [libm::cos(farthest), libm::cos(nearest)], half })

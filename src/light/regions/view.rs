@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::aim::{Aimed, KerrPlace};
 use super::shape::Region;
-use crate::geodesic::kerr::{PlacedHole, UnitHole};
+use super::sight::Sight;
+use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole, TablePlace};
 use crate::light::emitter::{Emitter, Extent};
 use crate::light::receiver::Receiver;
 
 /// View of a light: its near region, and what the region of rays that go around the hole follows from.
-pub struct RegionView {
-    hole: UnitHole,
-    from: KerrPlace,
+pub struct RegionView<'a> {
+    table: &'a OrbitTable,
+    from: TablePlace,
     light: Light,
     /// Pole of sectors.
     pole: DVec3,
@@ -28,77 +28,94 @@ pub struct RegionView {
 struct Light {
     /// Position of its middle.
     position: DVec3,
-    middle: KerrPlace,
+    middle: TablePlace,
     half_axes: [DVec3; 3],
     is_round: bool,
     /// Length of the longest half-axis.
     size: f64,
+    /// Distance of the middle from the receiver.
+    distance: f64,
 }
 
-/// Margin of a region for the error of the aim: radians, and what the square of the spin adds, near the hole and by
-/// winding number.
+/// Margin of a region for the error of the aim, radians: of any, what the square of the spin adds behind the hole, and
+/// what it adds for rays that go around.
 const MARGIN: f64 = 0.002;
-const SPIN_MARGIN: [f64; 2] = [0.004, 0.012];
+const SPIN_MARGIN: f64 = 0.004;
+const AROUND_MARGIN: f64 = 0.012;
 /// Smallest distance of a receiver from the middle of a light, relative to the light's size.
 const NEAREST: f64 = 1.5;
+/// Largest error of the winding about the axis: radians, or relative to the size of the light as the centre sees it.
+const TURN_TOLERANCE: f64 = 0.003;
+const TURN_SHARE: f64 = 0.1;
 /// How much of the spin the pole of sectors is off the principal null direction.
 const SWING: f64 = 2.7;
 /// Impact parameter of rays that go around, of any spin, at most, if the light is near.
 const AROUND: f64 = 8.0;
 /// Least weight of rays that go around, relative to the near ones.
 const LEAST_AROUND: f64 = 0.02;
-/// Size of a light relative to the sine of the angle between both up to which what is seen of it is linear.
+/// Size of a light up to which what is seen of it is linear: relative to its distance, and behind the hole to that from
+/// the axis through the hole.
 const LINEAR: f64 = 0.2;
+/// Half-axes that are shorter than this, relative to the longest, do not matter.
+const THIN: f64 = 0.1;
+/// Light that comes around is left to chance where it is less, relative to that of the near way, than this times the solid
+/// angle of the latter over π: what is found easily has little noise.
+const WORTHWHILE: f64 = 1.0;
 
-impl RegionView {
+impl<'a> RegionView<'a> {
     /// The view that a receiver has of an emitter; `None` if that is too close or too large. Directions are along the
     /// hole's axes.
     pub fn new(
         place: &PlacedHole,
+        table: &'a OrbitTable,
         receiver: &Receiver,
         emitter: &Emitter,
         goes_around: bool,
     ) -> Option<Self> {
         let Extent { middle, half_axes, is_round } = emitter.extent();
         let size = half_axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max);
-        if receiver.on == emitter.primitive || receiver.position.distance(middle) < NEAREST * size {
+        let distance = receiver.position.distance(middle);
+        if receiver.on == emitter.primitive || distance < NEAREST * size {
             return None;
         }
         let hole = place.hole;
         let inwards = |position: DVec3| place.inwards((position - place.center) / place.mass);
-        let from = KerrPlace::new(&hole, inwards(receiver.position));
+        let from = table.place(KerrPlace::new(&hole, inwards(receiver.position)))?;
         let position = inwards(middle);
         let light = Light {
             position,
-            middle: KerrPlace::new(&hole, position),
+            middle: table.place(KerrPlace::new(&hole, position))?,
             half_axes: half_axes.map(|axis| place.inwards(axis) / place.mass),
             is_round,
             size: size / place.mass,
+            distance: distance / place.mass,
         };
         // A lamp that the hole touches may be seen anywhere.
-        if light.middle.r - light.size <= 1.0 / hole.horizon {
+        if light.middle.place.r - light.size <= 1.0 / hole.horizon {
             return None;
         }
-        let about_axis = DVec3::new(-from.n.y, from.n.x, 0.0);
-        let pole = (-from.n - SWING * hole.a / from.r * about_axis).normalize();
-        let near = light.region(&hole, &from, pole, 0)?;
+        let about_axis = DVec3::new(-from.place.n.y, from.place.n.x, 0.0);
+        let pole = (-from.place.n - SWING * hole.a / from.place.r * about_axis).normalize();
+        let near = light.region(table, &from, pole, 0)?;
         let normal = place.inwards(receiver.normal);
         // Those that are bent least are as far out as Einstein's ring.
-        let ring = 2.0 * (from.r * light.middle.r / (from.r + light.middle.r)).sqrt();
-        let sin_around = (1.3 * ring + 2.0 + light.size).max(AROUND) / from.r;
+        let [x, y] = [from.place.r, light.middle.place.r];
+        let ring = 2.0 * (x * y / (x + y)).sqrt();
+        let sin_around = (1.3 * ring + 2.0 + light.size).max(AROUND) / x;
         let cos_around =
             if sin_around < 1.0 { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
         // Large regions may be seen although their middles are not.
         let weight = |middle: DVec3, spread: f64| (middle.dot(normal) + spread).max(0.02 + 0.1 * spread);
-        let around = if goes_around {
+        let ratio = from.place.ratio_around(&light.middle.place);
+        let around = if goes_around && ratio > WORTHWHILE * near.area() / PI {
             let spread = (near.area() / PI).sqrt().min(1.0);
             let near = weight(near.middle(), spread);
-            let around = light.around(&from) * weight(-from.n, sin_around.min(1.0));
+            let around = ratio.clamp(LEAST_AROUND, 1.0) * weight(-from.place.n, sin_around.min(1.0));
             around / (near + around)
         } else {
             0.0
         };
-        Some(Self { hole, from, light, pole, near, around, cos_around })
+        Some(Self { table, from, light, pole, near, around, cos_around })
     }
 
     /// A direction, from three numbers in [0, 1), and its density.
@@ -127,59 +144,52 @@ impl RegionView {
 
     /// True if rays in this direction may go around: only for them need the region be known.
     fn is_around(&self, direction: DVec3) -> bool {
-        -self.from.n.dot(direction) >= self.cos_around
+        -self.from.place.n.dot(direction) >= self.cos_around
     }
 
     fn region_around(&self) -> Option<Region> {
-        self.light.region(&self.hole, &self.from, self.pole, 1)
+        self.light.region(self.table, &self.from, self.pole, 1)
     }
 }
 
 impl Light {
     /// The region of rays with a winding number.
-    fn region(&self, hole: &UnitHole, from: &KerrPlace, pole: DVec3, winding: u32) -> Option<Region> {
-        let aim = from.aim(hole, &self.middle, winding)?;
-        let direction = aim.shot.direction;
-        let margin = MARGIN + SPIN_MARGIN[winding as usize] * hole.a * hole.a;
-        let half_axes = self.half_axes(from, &aim);
-        let radius = self.middle.r;
-        if self.size < LINEAR * radius * aim.steadiness()
-            && let Some(shifts) = aim.shifts(from, hole, radius, half_axes.map(|axis| axis / radius))
-            && let Some(region) = Region::small(direction, &shifts, margin)
-        {
-            return Some(region);
-        }
+    fn region(&self, table: &OrbitTable, from: &TablePlace, pole: DVec3, winding: u32) -> Option<Region> {
+        let Self { position, middle, size, distance, .. } = self;
+        let radius = middle.place.r;
+        let tolerance = TURN_TOLERANCE.max(TURN_SHARE * size / radius);
+        let sight = Sight::of(table, [from, middle], winding, tolerance)?;
+        let direction = sight.direction;
+        let a = table.hole().a;
+        let see = |position: DVec3| {
+            let place = table.place(KerrPlace::new(table.hole(), position))?;
+            sight.beside(table, [from, middle, &place])
+        };
+        let (sin, cos) = libm::sincos(sight.angle);
+        let spin_margin = if winding == 0 { 0.5 * (1.0 - cos) * SPIN_MARGIN } else { AROUND_MARGIN };
+        let margin = MARGIN + spin_margin * a * a;
+        let is_arc = cos < 0.0 && *size > LINEAR * radius * sin.abs();
+        let is_linear = !is_arc && *size < LINEAR * distance;
         let mut points = [direction; 6];
-        for (pair, axis) in points.chunks_exact_mut(2).zip(half_axes) {
-            if axis != DVec3::ZERO {
-                for (point, beside) in pair.iter_mut().zip([self.position + axis, self.position - axis]) {
-                    *point = aim.beside(from, hole, beside)?;
-                }
+        for (pair, axis) in points.chunks_exact_mut(2).zip(self.half_axes(&sight)) {
+            if axis.length() < THIN * size {
+                continue;
             }
+            pair[0] = see(*position + axis)?;
+            pair[1] =
+                if is_linear { (2.0 * direction - pair[0]).normalize() } else { see(*position - axis)? };
         }
-        Region::about(direction, &points, pole, margin)
+        Region::about(direction, &points, is_arc.then_some(pole), margin)
     }
 
     /// Half-axes; of a sphere along the radius, and along and across the plane of the orbit, where its extremes are seen.
-    fn half_axes(&self, from: &KerrPlace, aim: &Aimed) -> [DVec3; 3] {
+    fn half_axes(&self, sight: &Sight) -> [DVec3; 3] {
         if !self.is_round {
             return self.half_axes;
         }
         let radial = self.position.normalize_or(DVec3::Z);
-        let across = aim.across(from);
-        let across = (across - across.dot(radial) * radial).try_normalize();
-        let across = across.unwrap_or_else(|| radial.any_orthonormal_vector());
+        let across = sight.across - sight.across.dot(radial) * radial;
+        let across = across.try_normalize().unwrap_or_else(|| radial.any_orthonormal_vector());
         [radial, across, radial.cross(across)].map(|axis| self.size * axis)
-    }
-
-    /// About how much light comes around, relative to what comes the near way: as if deflection were weak.
-    fn around(&self, from: &KerrPlace) -> f64 {
-        let (x, y) = (from.r, self.middle.r);
-        let off_axis = libm::acos((-from.n.dot(self.middle.n)).clamp(-1.0, 1.0));
-        // The angle between light and hole in units of Einstein's.
-        let square = off_axis * off_axis * x * y / (4.0 * (x + y));
-        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
-        let ratio = (magnification - 1.0) / (magnification + 1.0);
-        if ratio > LEAST_AROUND { ratio } else { LEAST_AROUND }.min(1.0)
     }
 }

@@ -3,11 +3,12 @@
 use super::race::Runs;
 use crate::study::estimate::Estimate;
 use crate::study::table::with_error;
+use crate::trace::Stats;
 
-/// `0.512 (0.509–0.530)`: the median wall time and its range, seconds.
-pub(super) fn seconds(runs: &Runs) -> String {
-    let [shortest, longest] = runs.range();
-    format!("{:.3} ({shortest:.3}–{longest:.3})", runs.median(|stats| stats.seconds))
+/// `0.512 (0.509–0.530)`: the median time and its range, seconds.
+pub(super) fn seconds(runs: &Runs, time: fn(&Stats) -> f64) -> String {
+    let [shortest, longest] = runs.range(time);
+    format!("{:.3} ({shortest:.3}–{longest:.3})", runs.median(time))
 }
 
 /// A ratio to the first contender, as contender number `index` has it.

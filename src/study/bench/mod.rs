@@ -6,6 +6,7 @@ mod cells;
 mod contender;
 mod growth;
 mod point;
+mod previous;
 mod race;
 mod record;
 mod report;
@@ -15,6 +16,7 @@ mod vary;
 
 pub(crate) use contender::Contender;
 pub(crate) use point::Point;
+pub(crate) use previous::{Previous, PreviousError};
 pub(crate) use race::{Bench, Race};
 pub(crate) use record::BenchRecord;
 pub(crate) use report::report;

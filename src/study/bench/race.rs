@@ -120,15 +120,15 @@ fn same_bits((a, first): (Contender, &Image), (b, second): (Contender, &Image)) 
 }
 
 impl Race {
-    /// Wall time of contender number `slow` over that of number `fast`, from the ratios of all rounds.
+    /// CPU time of contender number `slow` over that of number `fast`, from the ratios of all rounds.
     pub fn ratio(&self, slow: usize, fast: usize) -> Option<Estimate> {
-        self.ratio_of(slow, fast, |stats| stats.seconds)
+        self.ratio_of(slow, fast, |stats| stats.cpu_seconds)
     }
 
     /// Ratio of tracing times: [`Self::ratio`] without the time in which light sampling learns before the first camera
     /// ray, which is not a matter of schedules.
     pub fn tracing_ratio(&self, slow: usize, fast: usize) -> Option<Estimate> {
-        self.ratio_of(slow, fast, |stats| stats.seconds - stats.stages.learning)
+        self.ratio_of(slow, fast, |stats| stats.cpu_seconds - stats.stages.learning)
     }
 
     fn ratio_of(&self, slow: usize, fast: usize, time: fn(&Stats) -> f64) -> Option<Estimate> {
@@ -147,9 +147,9 @@ impl Runs {
         0.5 * (middle(values.len() / 2) + middle(values.len().saturating_sub(1) / 2))
     }
 
-    /// Shortest and longest wall time of a render, seconds.
-    pub fn range(&self) -> [f64; 2] {
-        let seconds = || self.rounds.iter().map(|stats| stats.seconds);
+    /// Shortest and longest time of a render, seconds.
+    pub fn range(&self, time: fn(&Stats) -> f64) -> [f64; 2] {
+        let seconds = || self.rounds.iter().map(time);
         [seconds().fold(f64::INFINITY, f64::min), seconds().fold(0.0, f64::max)]
     }
 
@@ -163,10 +163,10 @@ impl Runs {
         self.rounds.first()?.stages.occupancy.share()
     }
 
-    /// Thread time per camera path, microseconds; the median.
+    /// CPU time per camera path, microseconds; the median.
     pub fn us_per_path(&self) -> f64 {
         let paths = self.counters().paths as f64;
-        self.median(|stats| 1e6 * stats.seconds * stats.threads as f64 / paths)
+        self.median(|stats| 1e6 * stats.cpu_seconds / paths)
     }
 }
 
@@ -178,7 +178,7 @@ mod tests {
     use crate::spacetime::SpacetimeKind;
 
     fn all(contender: Contender, seconds: &[f64]) -> Runs {
-        let stats = |&seconds: &f64| Stats { seconds, threads: 2, ..Stats::default() };
+        let stats = |&cpu_seconds: &f64| Stats { cpu_seconds, threads: 2, ..Stats::default() };
         Runs { contender, rounds: seconds.iter().map(stats).collect() }
     }
 
@@ -199,8 +199,11 @@ mod tests {
         let ratio = race.ratio(1, 0).unwrap();
         assert!((ratio.value - 1.5).abs() < 1e-12 && ratio.error.unwrap() < 1e-12);
         assert!((race.ratio(0, 1).unwrap().value * 1.5 - 1.0).abs() < 1e-12);
-        assert_eq!((race.runs[1].median(|s| s.seconds), race.runs[1].range()), (1.5, [1.5, 15.0]));
-        assert_eq!(all(Contender::Flat, &[3.0, 1.0]).median(|s| s.seconds), 2.0);
+        assert_eq!(
+            (race.runs[1].median(|s| s.cpu_seconds), race.runs[1].range(|s| s.cpu_seconds)),
+            (1.5, [1.5, 15.0])
+        );
+        assert_eq!(all(Contender::Flat, &[3.0, 1.0]).median(|s| s.cpu_seconds), 2.0);
     }
 
     #[test]

@@ -34,9 +34,11 @@ struct ContenderRecord<'a> {
     name: String,
     /// Wall time of a render: median, shortest, longest.
     seconds: [f64; 3],
-    /// Thread time of a camera path, microseconds.
+    /// CPU time of a render: median, shortest, longest.
+    cpu_seconds: [f64; 3],
+    /// CPU time of a camera path, microseconds.
     us_per_path: f64,
-    /// Over the time of the first contender.
+    /// Over the CPU time of the first contender.
     time_ratio: Option<Estimate>,
     /// Time ratio without the time in which light sampling learns before.
     tracing_ratio: Option<Estimate>,
@@ -56,10 +58,14 @@ impl<'a> BenchRecord<'a> {
 impl<'a> PointRecord<'a> {
     fn of(race: &'a Race) -> Self {
         let contender = |(index, runs): (usize, &'a Runs)| {
-            let [shortest, longest] = runs.range();
+            let times = |time: fn(&Stats) -> f64| {
+                let [shortest, longest] = runs.range(time);
+                [runs.median(time), shortest, longest]
+            };
             ContenderRecord {
                 name: runs.contender.name(),
-                seconds: [runs.median(|stats| stats.seconds), shortest, longest],
+                seconds: times(|stats| stats.seconds),
+                cpu_seconds: times(|stats| stats.cpu_seconds),
                 us_per_path: runs.us_per_path(),
                 time_ratio: (index > 0).then(|| race.ratio(index, 0)).flatten(),
                 tracing_ratio: (index > 0).then(|| race.tracing_ratio(index, 0)).flatten(),

@@ -1,5 +1,6 @@
 //! Reports of races: how one went, or how cost grows with what is varied.
 
+use super::previous::Previous;
 use super::race::Race;
 use super::vary::Vary;
 use super::{growth, single};
@@ -8,11 +9,13 @@ use crate::study::report::Report;
 use crate::study::table::{Table, TableRow};
 use crate::trace::Stats;
 
-/// The report of `races`, one for each value of what is varied, or else one; a row for every render that counts.
-pub fn report(sweep: Option<Vary>, races: &[Race]) -> Report {
+/// The report of `races`, one for each value of what is varied, or else one; a row for every render that counts. Their
+/// text compares them with builds before this one.
+pub fn report(sweep: Option<Vary>, races: &[Race], previous: &[Previous]) -> Report {
     let rows = races.iter().flat_map(|race| rows(sweep, race));
     let table = Table::of(rows);
-    match sweep {
+    let before: String = previous.iter().map(|previous| format!("\n{}", previous.text(races))).collect();
+    let report = match sweep {
         Some(sweep) => {
             Report { text: growth::text(sweep, races), table, figure: growth::figure(sweep, races) }
         }
@@ -21,7 +24,8 @@ pub fn report(sweep: Option<Vary>, races: &[Race]) -> Report {
             table,
             figure: single::figure(&races[0]),
         },
-    }
+    };
+    Report { text: report.text + &before, ..report }
 }
 
 fn rows(sweep: Option<Vary>, race: &Race) -> impl Iterator<Item = TableRow> {
@@ -43,6 +47,7 @@ fn render(row: TableRow, race: &Race, stats: &Stats) -> TableRow {
     let occupancy = stats.stages.occupancy.share();
     let mut row = row
         .cell("seconds", stats.seconds)
+        .cell("cpu_seconds", stats.cpu_seconds)
         .cell("learning_seconds", stats.stages.learning)
         .cell("threads", stats.threads)
         .cell("batch", race.point.batch)

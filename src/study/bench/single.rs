@@ -28,7 +28,7 @@ const COLORS: [Color; 9] = [
 ];
 /// Learning of light sampling before, during which no thread does anything else.
 const LEARN: &str = "learn";
-/// Thread time that is no stage's: sums of samples, waiting at the end of a pass.
+/// CPU time that is no stage's: sums of samples, sharing out of tiles.
 const REST: &str = "rest";
 
 /// Contenders, the stages of the first wavefront among them, and what it all means, as text and tables in Markdown.
@@ -48,29 +48,29 @@ fn contenders(race: &Race) -> String {
     let row = |(index, runs): (usize, &Runs)| {
         let counters = runs.counters();
         let rays = counters.rays + counters.light_rays;
-        let median = runs.median(|stats| stats.seconds);
+        let median = runs.median(|stats| stats.cpu_seconds);
         let rate = |count: u64, unit: f64| format!("{:.2}", count as f64 / median / unit);
         TableRow::default()
             .cell("contender", runs.contender.name())
-            .cell("seconds (range)", seconds(runs))
+            .cell("CPU seconds (range)", seconds(runs, |stats| stats.cpu_seconds))
             .cell("time ratio", over_first(index, race.ratio(index, 0)))
             .cell("tracing alone", over_first(index, race.tracing_ratio(index, 0)))
-            .cell("k paths/s", rate(counters.paths, 1e3))
-            .cell("M rays/s", rate(rays, 1e6))
-            .cell("M steps/s", rate(counters.steps, 1e6))
-            .cell("M queries/s", rate(counters.queries, 1e6))
+            .cell("k paths/CPU s", rate(counters.paths, 1e3))
+            .cell("M rays/CPU s", rate(rays, 1e6))
+            .cell("M steps/CPU s", rate(counters.steps, 1e6))
+            .cell("M queries/CPU s", rate(counters.queries, 1e6))
             .cell("steps/ray", format!("{:.2}", counters.steps as f64 / rays as f64))
             .cell("queries/ray", format!("{:.2}", counters.queries as f64 / rays as f64))
     };
     Table::of(race.runs.iter().enumerate().map(row)).markdown()
 }
 
-/// Thread time of each stage, of learning and of what is left, seconds.
+/// CPU time of each stage, of learning and of what is left, seconds.
 fn parts(stats: &Stats) -> Vec<(&'static str, f64)> {
     let stages = stats.stages.named().map(|(name, stage)| (name, stage.seconds));
-    let learning = stats.stages.learning * stats.threads as f64;
+    let learning = stats.stages.learning;
     let known = learning + stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
-    let rest = stats.seconds * stats.threads as f64 - known;
+    let rest = (stats.cpu_seconds - known).max(0.0);
     stages.into_iter().chain([(LEARN, learning), (REST, rest)]).collect()
 }
 
@@ -78,14 +78,14 @@ fn stages(runs: &Runs) -> String {
     let Some(first) = runs.rounds.first() else { return String::new() };
     let items = first.stages.named().map(|(_, stage)| stage.items).into_iter().map(Some).chain([None, None]);
     let lanes = first.stages.occupancy.lanes as f64;
-    let whole = runs.median(|stats| stats.seconds * stats.threads as f64);
+    let whole = runs.median(|stats| stats.cpu_seconds);
     let row = |(index, ((name, _), items)): (usize, ((&str, f64), Option<u64>))| {
         let seconds = runs.median(|stats| parts(stats)[index].1);
         let of_items =
             |value: &dyn Fn(f64) -> String| items.map_or(NONE.to_owned(), |items| value(items as f64));
         TableRow::default()
             .cell("stage", name)
-            .cell("thread seconds", format!("{seconds:.3}"))
+            .cell("CPU seconds", format!("{seconds:.3}"))
             .cell("share", percent(seconds / whole))
             .cell("rays handled", of_items(&|items| items.to_string()))
             .cell("ns/ray", of_items(&|items| format!("{:.1}", 1e9 * seconds / items.max(1.0))))
@@ -128,13 +128,15 @@ fn verdicts(race: &Race) -> String {
     race.runs.iter().enumerate().skip(1).map(verdict).collect()
 }
 
-/// Thread time per path in every round: the wavefront's by stage, as bars, under the curves of all contenders.
+/// CPU time per path in every round: the wavefront's by stage, as bars, under the curves of all contenders.
 pub(super) fn figure(race: &Race) -> Figure {
     let mut series = wavefront(race).map(bars).unwrap_or_default();
     for runs in &race.runs {
-        let curve = runs.rounds.iter().zip(1..).map(|(stats, round)| {
-            [f64::from(round), microseconds(stats, stats.seconds * stats.threads as f64)]
-        });
+        let curve = runs
+            .rounds
+            .iter()
+            .zip(1..)
+            .map(|(stats, round)| [f64::from(round), microseconds(stats, stats.cpu_seconds)]);
         // The bars have the colours.
         let style = Style { color: Color::BLACK, ..style_of(&runs.contender) };
         series.push(DataSeries { name: runs.contender.name(), style, curves: vec![curve.collect()] });
@@ -145,14 +147,14 @@ pub(super) fn figure(race: &Race) -> Figure {
     let diagram = Diagram {
         title: "Time by round".to_owned(),
         x: Axis::linear("round", [0.5, rounds as f64 + 0.5]),
-        y: Axis::linear("thread time per camera path (µs)", [0.0, top]),
+        y: Axis::linear("CPU time per camera path (µs)", [0.0, top]),
         size: DIAGRAM,
         series,
     };
     Figure { diagrams: vec![diagram] }
 }
 
-/// `seconds` of thread time per camera path.
+/// `seconds` of CPU time per camera path.
 fn microseconds(stats: &Stats, seconds: f64) -> f64 {
     1e6 * seconds / stats.counters.paths as f64
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::table_form::TableForm;
 use super::{isotropic, several_holes, spinning, through_throat};
 use crate::spacetime::{
-    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Mouths, Placement, Range, SpacetimeVisitor,
+    ConformallyFlat, Entry, IndexField, KerrNewman, Listed, Mouths, Placement, SpacetimeVisitor,
 };
 
 impl TableForm {
@@ -15,13 +15,7 @@ impl TableForm {
             Some(Listed::Holes) => return &several_holes::FORM,
             Some(Listed::Lenses) | None => {}
         }
-        // The parameters do not change the family, but for a length of 0.
-        let values = entry.parameters.iter().map(|parameter| match parameter.range {
-            Range::Length => 1.0,
-            Range::Ratio { least, most, .. } => 0.5 * (least + most),
-        });
-        let values: Vec<f64> = values.collect();
-        entry.with(DVec3::ZERO, &values).visit(FormVisitor)
+        entry.example().visit(FormVisitor)
     }
 }
 

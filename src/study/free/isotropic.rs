@@ -10,13 +10,17 @@ use super::super::table::number_cell;
 use super::lengths::Lengths;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
-use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Stepper, elapsed, follow};
+use crate::geodesic::kerr::{UsePowers, with_powers};
+use crate::geodesic::{
+    ArealSeries, Control, Launch, OrbitEnd, OrbitStepper, Phase, Stepper, elapsed, follow,
+};
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
 use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
-    ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Placement, SpacetimeKind, SpacetimeVisitor,
+    ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Placement, ReissnerNordstrom, SpacetimeKind,
+    SpacetimeVisitor,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
 
@@ -34,7 +38,7 @@ pub(super) static FORM: TableForm = TableForm {
         "drift_l",
     ],
     crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
-    steppers: &StepperKind::OF_ORBITS,
+    steppers: &StepperKind::AROUND_A_HOLE,
     stepper: None,
     radius: |_, cells| cells.last(),
     trace: |spacetime, cells, accuracy| Ok(trace(spacetime, &FreeRay::of(cells), accuracy)?.traced()),
@@ -156,7 +160,11 @@ pub(super) trait Answer: Sized {
     fn straight(exit: Exit) -> Self;
 
     /// Around a centre, with orbits in `R`.
-    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self;
+    fn around<M: ConformallyFlat, R: Real>(
+        orbit: &Orbit<M>,
+        stepper: &impl OrbitStepper,
+        tolerance: f64,
+    ) -> Self;
 }
 
 impl Answer for Exit {
@@ -164,7 +172,11 @@ impl Answer for Exit {
         exit
     }
 
-    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+    fn around<M: ConformallyFlat, R: Real>(
+        orbit: &Orbit<M>,
+        stepper: &impl OrbitStepper,
+        tolerance: f64,
+    ) -> Self {
         orbit.exit::<R>(stepper, tolerance)
     }
 }
@@ -175,7 +187,11 @@ impl Answer for Arrival {
         Self { status: exit.status, crossing, steps: exit.steps }
     }
 
-    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+    fn around<M: ConformallyFlat, R: Real>(
+        orbit: &Orbit<M>,
+        stepper: &impl OrbitStepper,
+        tolerance: f64,
+    ) -> Self {
         orbit.arrival::<R>(stepper, tolerance).0
     }
 }
@@ -186,7 +202,11 @@ impl Answer for (Arrival, bool) {
         (Answer::straight(exit), false)
     }
 
-    fn around<M: ConformallyFlat, R: Real>(orbit: &Orbit<M>, stepper: &impl Stepper, tolerance: f64) -> Self {
+    fn around<M: ConformallyFlat, R: Real>(
+        orbit: &Orbit<M>,
+        stepper: &impl OrbitStepper,
+        tolerance: f64,
+    ) -> Self {
         orbit.arrival::<R>(stepper, tolerance)
     }
 }
@@ -254,7 +274,12 @@ pub(super) fn curved<M: ConformallyFlat, A: Answer>(
             remedy: "start outside the horizon; the isotropic radius is not the areal one".to_owned(),
         });
     }
-    let orbit = Orbit { medium, center, x, ray, launch: Launch::new(medium, x, ray.direction, epsilon) };
+    let launch = Launch::new(medium, x, ray.direction, epsilon);
+    if let Some(medium) = medium.as_hole().filter(|_| accuracy.stepper == StepperKind::Series) {
+        let orbit = Orbit { medium: &medium, center, x, ray, launch };
+        return Ok(with_powers(accuracy.tolerance, Asked { orbit, accuracy, answer: PhantomData }));
+    }
+    let orbit = Orbit { medium, center, x, ray, launch };
     with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData })
         .ok_or_else(|| FORM.refusal(accuracy.stepper))
 }
@@ -274,6 +299,15 @@ impl<M: ConformallyFlat, A: Answer> UseStepper for Asked<'_, M, A> {
     }
 }
 
+impl<A: Answer> UsePowers for Asked<'_, ReissnerNordstrom, A> {
+    type Output = A;
+
+    fn with<const P: usize>(self) -> A {
+        let stepper = ArealSeries::<P>::new(self.orbit.medium, self.accuracy.tolerance);
+        self.orbit.answer(&stepper, self.accuracy)
+    }
+}
+
 /// A ray about to be followed.
 pub(super) struct Orbit<'a, M> {
     medium: &'a M,
@@ -285,7 +319,7 @@ pub(super) struct Orbit<'a, M> {
 }
 
 impl<M: ConformallyFlat> Orbit<'_, M> {
-    fn answer<A: Answer>(&self, stepper: &impl Stepper, accuracy: &Accuracy) -> A {
+    fn answer<A: Answer>(&self, stepper: &impl OrbitStepper, accuracy: &Accuracy) -> A {
         match accuracy.precision {
             Precision::F32 => A::around::<M, f32>(self, stepper, accuracy.tolerance),
             Precision::F64 => A::around::<M, f64>(self, stepper, accuracy.tolerance),
@@ -310,7 +344,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         }
     }
 
-    fn arrival<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> (Arrival, bool) {
+    fn arrival<R: Real>(&self, stepper: &impl OrbitStepper, tolerance: f64) -> (Arrival, bool) {
         let Self { medium, launch, .. } = self;
         let start = Phase::new(*medium, R::of(launch.w), R::of(launch.v));
         let control = Control::new(*medium, tolerance, f64::INFINITY);
@@ -330,7 +364,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         (self.launch.position(w, swept) + self.center, self.launch.direction(w, v, swept))
     }
 
-    fn exit<R: Real>(&self, stepper: &impl Stepper, tolerance: f64) -> Exit {
+    fn exit<R: Real>(&self, stepper: &impl OrbitStepper, tolerance: f64) -> Exit {
         let Self { medium, launch, .. } = self;
         let dual = |value: f64, slope: f64| Dual { value: R::of(value), slope: R::of(slope) };
         // With the angle α between direction and radius, b = n ρ sin α and v = −n cos α; slopes are d/dα.

@@ -42,6 +42,10 @@ impl Lengths {
                 })?;
             }
         }
-        Ok(())
+        let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
+        match spacetime.entry().conflict(&values) {
+            Some((cause, remedy)) => Err(InputError { input: Input::Spacetime, cause, remedy }),
+            None => Ok(()),
+        }
     }
 }

@@ -11,7 +11,7 @@ pub mod isotropic;
 mod lengths;
 mod sensitivity;
 mod several_holes;
-mod spinning;
+pub(super) mod spinning;
 mod table_form;
 mod through_throat;
 

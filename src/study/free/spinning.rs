@@ -186,7 +186,7 @@ impl PhotonRay {
 }
 
 /// The hole of a spinning spacetime whose parameters may be together.
-fn spinning_hole(spacetime: &SpacetimeKind) -> Result<KerrNewman, InputError> {
+pub(in crate::study) fn spinning_hole(spacetime: &SpacetimeKind) -> Result<KerrNewman, InputError> {
     let SpacetimeKind::Spinning { hole, .. } = spacetime else {
         return Err(InputError {
             input: Input::Parameter("rs"),

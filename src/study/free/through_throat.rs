@@ -16,6 +16,8 @@ use crate::spacetime::{
 
 /// Columns of a ray's start and of its direction, of any length.
 const START: [&str; 3] = ["x0", "y0", "z0"];
+/// Columns of a start by its proper radius l, below 0 on the far side, and its direction from the centre, of any length.
+const PROPER_START: [&str; 4] = ["l0", "nx0", "ny0", "nz0"];
 const DIRECTION: [&str; 3] = ["dx0", "dy0", "dz0"];
 /// Columns of its sphere: its isotropic radius, or the proper radius l on either side.
 const SPHERE: [&str; 2] = ["r_out", "L"];
@@ -24,22 +26,25 @@ const CENTERS: [&str; 6] = ["cnx", "cny", "cnz", "cfx", "cfy", "cfz"];
 
 /// Form of the tables.
 pub(super) static FORM: TableForm = TableForm {
-    needed: &["x0", "y0", "z0", "dx0", "dy0", "dz0"],
-    optional: &["r_out", "L", "cnx", "cny", "cnz", "cfx", "cfy", "cfz"],
+    needed: &["dx0", "dy0", "dz0"],
+    optional: &[
+        "x0", "y0", "z0", "l0", "nx0", "ny0", "nz0", "r_out", "L", "cnx", "cny", "cnz", "cfx", "cfy", "cfz",
+    ],
     results: &[
-        "side", "x1", "y1", "z1", "dx1", "dy1", "dz1", "t", "phi", "h", "eps", "l_turn", "sens", "drift_h",
+        "side", "x1", "y1", "z1", "nx1", "ny1", "nz1", "dx1", "dy1", "dz1", "t", "phi", "h", "eps", "l_turn",
+        "sens", "drift_h",
     ],
     crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
     steppers: &StepperKind::OF_ORBITS,
     stepper: None,
-    radius: |spacetime, cells| ThroatRay::of(cells).map_or(f64::NAN, |ray| ray.radius(spacetime)),
+    radius: |spacetime, cells| ThroatRay::of(spacetime, cells).map_or(f64::NAN, |ray| ray.radius(spacetime)),
     trace: |spacetime, cells, accuracy| {
-        let ray = ThroatRay::of(cells)?;
+        let ray = ThroatRay::of(spacetime, cells)?;
         let (way, exit) = ray.follow::<Exit>(spacetime, accuracy)?;
         Ok(traced(&way, &exit, spacetime))
     },
     arrive: |spacetime, cells, accuracy| {
-        let ray = ThroatRay::of(cells)?;
+        let ray = ThroatRay::of(spacetime, cells)?;
         let (way, (arrival, passes)) = ray.follow::<(Arrival, bool)>(spacetime, accuracy)?;
         let crossing = arrival.crossing.map(|(x, d)| way.end(passes, x, d));
         Ok(Arrival { crossing: crossing.map(|(_, x, d)| (x, d)), ..arrival })
@@ -65,9 +70,25 @@ struct WayThrough {
 }
 
 impl ThroatRay {
-    fn of(cells: &Cells) -> Result<Self, InputError> {
-        let (ray, [r_out, l, centers @ ..]) = (&cells.needed, &cells.optional[..]) else {
+    fn of(spacetime: &SpacetimeKind, cells: &Cells) -> Result<Self, InputError> {
+        let [x, y, z, l0, nx, ny, nz, r_out, l, centers @ ..] = &cells.optional[..] else {
             return Err(incomplete(&SPHERE, "the row has no sphere", "give it a radius"));
+        };
+        let start = match ([x, y, z], [l0, nx, ny, nz]) {
+            ([Some(x), Some(y), Some(z)], [None, None, None, None]) => DVec3::new(*x, *y, *z),
+            ([None, None, None], [Some(l0), Some(x), Some(y), Some(z)]) => {
+                let radial = DVec3::new(*x, *y, *z).try_normalize().ok_or_else(|| {
+                    incomplete(&PROPER_START, "the direction from the centre is 0", "give its direction")
+                })?;
+                chart_radius(spacetime, *l0) * radial
+            }
+            _ => {
+                return Err(incomplete(
+                    &START,
+                    "the ray needs one start",
+                    "give `x0`, `y0`, `z0`, or `l0`, `nx0`, `ny0`, `nz0`",
+                ));
+            }
         };
         if r_out.is_some() == l.is_some() {
             return Err(incomplete(
@@ -86,13 +107,12 @@ impl ThroatRay {
             }),
             _ => return Err(incomplete(&CENTERS, "some of the centres are missing", "give all or none")),
         };
-        let (start, direction) = (DVec3::from_slice(&ray[0..3]), DVec3::from_slice(&ray[3..6]));
-        Ok(Self { start, direction, r_out: *r_out, l: *l, mouths })
+        Ok(Self { start, direction: DVec3::from_slice(&cells.needed), r_out: *r_out, l: *l, mouths })
     }
 
-    /// Isotropic radius of the sphere, on either side: ρ − r²/ρ = l.
+    /// Isotropic radius of the sphere, on either side.
     fn radius(&self, spacetime: &SpacetimeKind) -> f64 {
-        let proper = |l: f64| 0.5 * (l + (l * l + 4.0 * throat(spacetime).powi(2)).sqrt());
+        let proper = |l: f64| spacetime.wormhole().map_or(l, |(_, metric)| metric.isotropic_radius(l));
         self.r_out.or(self.l.map(proper)).unwrap_or(f64::NAN)
     }
 
@@ -135,6 +155,12 @@ fn incomplete(columns: &'static [&'static str], cause: &str, remedy: &str) -> In
 /// Isotropic radius of the throat, 0 in flat space.
 fn throat(spacetime: &SpacetimeKind) -> f64 {
     spacetime.wormhole().map_or(0.0, |(_, metric)| metric.throat())
+}
+
+/// Radius of the proper radius `l`, below 0 on the far side, in the chart of the near side.
+fn chart_radius(spacetime: &SpacetimeKind, l: f64) -> f64 {
+    let radius = spacetime.wormhole().map_or(l.abs(), |(_, metric)| metric.isotropic_radius(l.abs()));
+    if l < 0.0 { throat(spacetime).powi(2) / radius } else { radius }
 }
 
 /// A place and a direction in the chart of one side, relative to its centre, in that of the other.
@@ -199,7 +225,12 @@ fn traced(way: &WayThrough, exit: &Exit, spacetime: &SpacetimeKind) -> Traced {
         (side, SphereCrossing { position, direction, sens: crossing.sens })
     });
     let (position, direction) = (end.map(|(_, end)| end.position), end.map(|(_, end)| end.direction));
-    let turn = |rho: f64| rho - throat(spacetime).powi(2) / rho;
+    let turn = |rho: f64| spacetime.wormhole().map_or(rho, |(_, metric)| metric.proper_radius(rho));
+    let radial = position.map(|x| match way.mouths {
+        Some(mouths) => x - mouths.center(end.map_or(Side::Near, |(side, _)| side)),
+        None => x,
+    });
+    let radial = radial.map(DVec3::normalize);
     let sign = end.map(|(side, _)| match side {
         Side::Near => "1",
         Side::Far => "-1",
@@ -209,6 +240,9 @@ fn traced(way: &WayThrough, exit: &Exit, spacetime: &SpacetimeKind) -> Traced {
         cell(position.map(|x| x.x)),
         cell(position.map(|x| x.y)),
         cell(position.map(|x| x.z)),
+        cell(radial.map(|n| n.x)),
+        cell(radial.map(|n| n.y)),
+        cell(radial.map(|n| n.z)),
         cell(direction.map(|d| d.x)),
         cell(direction.map(|d| d.y)),
         cell(direction.map(|d| d.z)),

@@ -22,7 +22,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Kernel for Committing<'_, M, R, 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> CurvedFlight<R> {
         // In f64, so that the vectors stay orthonormal.
-        let tangent = (flight.b * flight.h).value();
+        let tangent = (flight.b * step.h).value();
         let taken = step.accepted;
         let tangent = if taken { tangent } else { 0.0 };
         let cos = 1.0 / (1.0 + tangent * tangent).sqrt();

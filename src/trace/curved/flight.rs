@@ -54,6 +54,8 @@ columns! {
         w: R,
         /// dw/dψ at the end.
         v: R,
+        /// Length in ξ.
+        h: R,
         /// ½ dn²/dw at the end.
         pull: R,
         /// End, outwards.

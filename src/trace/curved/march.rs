@@ -2,20 +2,28 @@
 //! that everything else is compiled once.
 
 use super::super::steppers::{UseStepper, with_stepper};
+use super::departure::{Departure, MOST_STEPS};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use crate::geodesic::{Control, OrbitEnd, Phase, Step, StepVerdict, Stepper, fit_arc, follow, until};
-use crate::math::columns::Row;
-use crate::math::kernel::{Kernel, NOTHING, map, map_full};
+use crate::geodesic::kerr::{UsePowers, with_powers};
+use crate::geodesic::{
+    ArealSeries, Control, OrbitEnd, OrbitStepper, Phase, StepVerdict, Stepper, fit_arc, follow, until,
+};
+use crate::math::columns::{LANES, Row};
+use crate::math::kernel::{Kernel, NOTHING, map, map_full, update};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
-use crate::spacetime::{ConformallyFlat, Fate};
+use crate::spacetime::{ConformallyFlat, Fate, ReissnerNordstrom};
+use crate::trace::flight_status::FlightStatus;
 use crate::trace::land_on_ray::{PartialStep, Pose};
 
 /// A stepper at work in a spacetime.
 pub trait March<R: Lane>: Send + Sync {
     /// Order of the stepper's estimate.
     fn order(&self) -> u32;
+
+    /// Step-size control.
+    fn control(&self) -> Control<R>;
 
     /// The next move of a ray.
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R>;
@@ -41,18 +49,44 @@ pub trait March<R: Lane>: Send + Sync {
     /// Length and end of the part of a ray's next step up to the inverse radius `w`, which the step passes.
     fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>);
 
-    /// Follows a ray to infinity.
+    /// Follows blocks of rays to infinity, unless the stepper does not tell how far that is.
+    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]);
+
+    /// Follows a ray as [`March::depart_all`] does.
+    fn depart(&self, departure: Departure<R>) -> Departure<R>;
+
+    /// Follows a ray to infinity, one that departs no further.
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R>;
 }
 
 /// The march by `stepper`; `None` for the paper's scheme, which is a transport of its own.
 pub fn march<M: ConformallyFlat, R: Lane>(
     medium: M,
-    stepper: StepperKind,
+    (stepper, tolerance): (StepperKind, f64),
     control: Control<R>,
     outer: R,
 ) -> Option<Box<dyn March<R>>> {
-    with_stepper(stepper, Held { medium, control, outer })
+    match medium.as_hole() {
+        Some(medium) if stepper == StepperKind::Series => {
+            Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, outer }, tolerance }))
+        }
+        _ => with_stepper(stepper, Held { medium, control, outer }),
+    }
+}
+
+/// A march by series.
+struct HoleSeries<R> {
+    held: Held<ReissnerNordstrom, R>,
+    tolerance: f64,
+}
+
+impl<R: Lane> UsePowers for HoleSeries<R> {
+    type Output = Box<dyn March<R>>;
+
+    fn with<const P: usize>(self) -> Box<dyn March<R>> {
+        let stepper = ArealSeries::<P>::new(&self.held.medium, self.tolerance);
+        Box::new(Stepping::new(self.held, stepper))
+    }
 }
 
 /// The march by a stepper.
@@ -79,7 +113,7 @@ impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
     type Output = Box<dyn March<R>>;
 
     fn with(self, stepper: impl Stepper + 'static) -> Box<dyn March<R>> {
-        Box::new(Stepping { held: self, stepper })
+        Box::new(Stepping::new(self, stepper))
     }
 }
 
@@ -96,24 +130,31 @@ struct Stepping<M, S, R> {
     stepper: S,
 }
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
+impl<M, S: OrbitStepper, R: Lane> Stepping<M, S, R> {
+    fn new(held: Held<M, R>, stepper: S) -> Self {
+        Self { held: Held { control: stepper.control(&held.control), ..held }, stepper }
+    }
+}
+
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Stepping<M, S, R> {
     type A = CurvedFlight<R>;
     type B = ();
     type Out = CurvedMove<R>;
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
-        let step = Step::new(&self.held.medium, &self.stepper, flight.b, flight.phase(), flight.h);
+        let Held { medium, control, outer } = &self.held;
+        let step = self.stepper.step(medium, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // Steps that no search follows need not be followed closely.
-        let arc_error =
-            if keeps_outside(self.held.outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
-        let StepVerdict { accepted, next_h, error } =
-            self.held.control.judge::<S>(&step, arc_error, flight.error);
+        let arc_error = if keeps_outside(*outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
+        let verdict = self.stepper.judge(control, &step, arc_error, flight.error);
+        let StepVerdict { accepted, next_h, error } = control.at_seam(medium, &step, verdict);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);
         CurvedMove {
             w: step.end.w,
             v: step.end.v,
+            h: step.h,
             pull: step.end.pull,
             end_x,
             end_y,
@@ -122,8 +163,43 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
             weight: arc.weight,
             next_h,
             error,
-            is_close: self.held.control.is_close(&arc),
+            is_close: control.is_close(&arc),
             accepted: accepted & (step.end.w > R::of(0.0)),
+        }
+    }
+}
+
+/// Steps to infinity.
+struct Departing<'a, M, S, R>(&'a Stepping<M, S, R>);
+
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Departing<'_, M, S, R> {
+    type A = Departure<R>;
+    type B = ();
+    type Out = Departure<R>;
+
+    #[inline(always)]
+    fn run(&self, ray: &Departure<R>, (): &()) -> Departure<R> {
+        let Stepping { held: Held { control, .. }, stepper } = self.0;
+        let Some((step, arrives)) = stepper.outwards(ray.b, ray.phase()) else {
+            return Departure { status: FlightStatus::NonFinite, ..*ray };
+        };
+        let accepted = stepper.judge(control, &step, R::of(0.0), R::of(1.0)).accepted;
+        let zero = R::of(0.0);
+        let flies = accepted & (step.end.w > zero) & (step.end.v < zero);
+        let status = if flies { FlightStatus::Flies } else { FlightStatus::NonFinite };
+        let status = if arrives { FlightStatus::Leaves } else { status };
+        let moves = ray.status == FlightStatus::Flies;
+        let pick = |end: R, start: R| if moves { end } else { start };
+        let (sin, cos) = (step.sin.value(), step.cos.value());
+        let turned = |end: f64, start: f64| if moves { end } else { start };
+        Departure {
+            b: ray.b,
+            w: pick(step.end.w, ray.w),
+            v: pick(step.end.v, ray.v),
+            pull: pick(step.end.pull, ray.pull),
+            sin: turned(ray.sin * cos + ray.cos * sin, ray.sin),
+            cos: turned(ray.cos * cos - ray.sin * sin, ray.cos),
+            status: if moves { status } else { ray.status },
         }
     }
 }
@@ -131,7 +207,7 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Stepping<M, S, R> {
 /// Parts of steps.
 struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     type A = Span<R>;
     type B = PartialStep;
     type Out = Pose;
@@ -142,9 +218,13 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> Kernel for Posing<'_, M, S, R> {
     }
 }
 
-impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
+impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> March<R> for Stepping<M, S, R> {
     fn order(&self) -> u32 {
-        S::ESTIMATE.order
+        S::ORDER
+    }
+
+    fn control(&self) -> Control<R> {
+        self.held.control
     }
 
     fn advance(&self, flight: &CurvedFlight<R>) -> CurvedMove<R> {
@@ -174,9 +254,30 @@ impl<M: ConformallyFlat, S: Stepper, R: Lane> March<R> for Stepping<M, S, R> {
 
     fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>) {
         let Self { held: Held { medium, .. }, stepper } = self;
-        let step = Step::new(medium, stepper, flight.b, flight.phase(), flight.h);
+        let step = stepper.step(medium, flight.b, flight.phase(), flight.h);
         let part = until(medium, stepper, &step, w);
         (part.h, part.end)
+    }
+
+    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]) {
+        for block in departures.chunks_mut(1) {
+            for _ in 0..MOST_STEPS {
+                update(&Departing(self), block, NOTHING);
+                if (0..LANES).all(|i| Departure::get(&block[0], i).status != FlightStatus::Flies) {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn depart(&self, mut departure: Departure<R>) -> Departure<R> {
+        for _ in 0..MOST_STEPS {
+            departure = Departing(self).run(&departure, &());
+            if departure.status != FlightStatus::Flies {
+                break;
+            }
+        }
+        departure
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R> {

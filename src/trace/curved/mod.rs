@@ -2,6 +2,7 @@
 
 mod commit_step;
 mod cross_throat;
+mod departure;
 mod flight;
 mod launch;
 pub mod march;
@@ -25,6 +26,7 @@ use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 use commit_step::Committing;
+use departure::Departure;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
 use launch::Launching;
 pub use rays::Curved;
@@ -37,7 +39,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
         match next.status {
             FlightStatus::Flies => Outcome::Flying(*next),
             FlightStatus::Leaves if !self.sky => self.escaped(next, next.direction()),
-            FlightStatus::Leaves => self.direction_at_infinity(next),
+            FlightStatus::Leaves => self.departed(next, &self.march.depart(Departure::of(next))),
             FlightStatus::Falls => Outcome::Captured,
             FlightStatus::StepLimit => Outcome::StepLimit,
             FlightStatus::NonFinite => Outcome::NonFinite,
@@ -48,7 +50,17 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
         Outcome::Escaped(AtInfinity { side: flight.origin_prim.side(), direction })
     }
 
-    /// The direction at infinity of a ray that meets nothing more.
+    /// The end of a ray that meets nothing more, given where it is on its way to infinity.
+    fn departed(&self, flight: &CurvedFlight<R>, departure: &Departure<R>) -> Outcome<CurvedFlight<R>> {
+        if departure.status == FlightStatus::Leaves {
+            let direction = departure.cos * flight.radial + departure.sin * flight.along;
+            self.escaped(flight, direction.normalize())
+        } else {
+            self.direction_at_infinity(flight)
+        }
+    }
+
+    /// The direction at infinity of a ray that meets nothing more, followed by itself.
     fn direction_at_infinity(&self, flight: &CurvedFlight<R>) -> Outcome<CurvedFlight<R>> {
         match self.march.to_infinity(flight.b, flight.phase(), flight.fate) {
             OrbitEnd::Crosses(_, swept) => {
@@ -98,6 +110,8 @@ pub struct Scratch<R: Lane> {
     on_rays: RayLandings<Span<R>>,
     on_arcs: ArcLandings,
     crossings: Vec<(usize, CurvedFlight<R>)>,
+    leaving: Vec<usize>,
+    departures: Columns<Departure<R>>,
 }
 
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M, R, W> {
@@ -191,7 +205,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>, ()),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let Scratch { on_rays, on_arcs, crossings, .. } = scratch;
+        let Scratch { on_rays, on_arcs, crossings, leaving, departures, .. } = scratch;
         let lanes = found.len();
         sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let arc = |lane| self.arc(&flights.get(lane), &moves.get(lane));
@@ -209,11 +223,22 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         // Those that landed go on as well, to nowhere.
         update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         crossings.iter().for_each(|&(lane, beyond)| flights.set(lane, beyond));
+        leaving.clear();
         for (lane, found) in found.iter().enumerate() {
             // Few rays end without landing: what was found is seldom asked for.
-            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
-                end(lane, self.outcome(&flights.get(lane)), ());
+            let status = flights.get(lane).status;
+            if status != FlightStatus::Flies && found.is_none() {
+                if status == FlightStatus::Leaves && self.sky {
+                    leaving.push(lane);
+                } else {
+                    end(lane, self.outcome(&flights.get(lane)), ());
+                }
             }
+        }
+        departures.gather(leaving.len(), |i| Departure::of(&flights.get(leaving[i])));
+        self.march.depart_all(departures.blocks_mut(leaving.len()));
+        for (i, &lane) in leaving.iter().enumerate() {
+            end(lane, self.departed(&flights.get(lane), &departures.get(i)), ());
         }
     }
 

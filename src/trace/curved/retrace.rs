@@ -19,15 +19,24 @@ where
     type Span = Span<R>;
 
     #[inline(always)]
-    fn span(&self, flight: &CurvedFlight<R>, _: &CurvedMove<R>) -> Span<R> {
-        let &CurvedFlight { position, radial, along, b, w, v, pull, h, origin_prim, .. } = flight;
-        Span { position: position + self.worlds.of(origin_prim).center, radial, along, b, w, v, pull, h }
+    fn span(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, _: DVec3) -> Span<R> {
+        let &CurvedFlight { position, radial, along, b, w, v, pull, origin_prim, .. } = flight;
+        Span {
+            position: position + self.worlds.of(origin_prim).center,
+            radial,
+            along,
+            b,
+            w,
+            v,
+            pull,
+            h: step.h,
+        }
     }
 
     #[inline(always)]
     fn part_near(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>, point: DVec3) -> f64 {
         let point = point - self.worlds.of(flight.origin_prim).center;
-        let tangent = (flight.b * flight.h).value();
+        let tangent = (flight.b * step.h).value();
         let s = if tangent > 1e-3 {
             point.dot(flight.along) / (point.dot(flight.radial) * tangent)
         } else {

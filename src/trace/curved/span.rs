@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::flight::Lane;
-use crate::geodesic::{Phase, Step, Stepper};
+use crate::geodesic::{OrbitStepper, Phase};
 use crate::math::columns::columns;
 use crate::spacetime::ConformallyFlat;
 use crate::trace::land_on_ray::{PartialStep, Pose};
@@ -33,9 +33,14 @@ columns! {
 impl<R: Lane> Span<R> {
     /// Pose after a part of the step.
     #[inline(always)]
-    pub fn pose<M: ConformallyFlat>(&self, medium: &M, stepper: &impl Stepper, part: &PartialStep) -> Pose {
+    pub fn pose<M: ConformallyFlat>(
+        &self,
+        medium: &M,
+        stepper: &impl OrbitStepper,
+        part: &PartialStep,
+    ) -> Pose {
         let start = Phase { w: self.w, v: self.v, pull: self.pull };
-        let step = Step::new(medium, stepper, self.b, start, R::of(part.s) * self.h);
+        let step = stepper.part(medium, self.b, start, R::of(part.s) * self.h);
         let ([x, y], [momentum_x, momentum_y]) = (step.displacement(), step.end_momentum());
         let (w, n) = (step.end.w, step.end.index(self.b));
         let per_n = R::of(1.0) / n;

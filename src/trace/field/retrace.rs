@@ -12,7 +12,7 @@ impl Retrace for FieldTransport {
     type Span = FieldSpan;
 
     #[inline(always)]
-    fn span(&self, flight: &FieldFlight, _: &FieldMove) -> FieldSpan {
+    fn span(&self, flight: &FieldFlight, _: &FieldMove, _: DVec3) -> FieldSpan {
         flight.span()
     }
 

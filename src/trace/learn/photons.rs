@@ -11,22 +11,21 @@ use super::super::ray_batch::RayBatch;
 use super::super::stages::meet::meet;
 use super::super::transport::{Landing, Outcome, Start, Transport};
 use crate::light::{Guide, Lights, Photon, View};
-use crate::scene::{Baked, Settings};
+use crate::scene::Baked;
 use crate::shade::{self, Key, Media, Sampler};
 use crate::spacetime::Side;
 
-/// Photons for each pixel of the picture, and the fewest and the most in all.
-const PER_PIXEL: usize = 8;
-const FEWEST: usize = 1 << 14;
+/// Camera paths for each photon, and the most photons in all.
+const PATHS: usize = 4;
 const MOST: usize = 1 << 19;
 /// Most mirrors and glass surfaces on the way of a photon.
 const MOST_HOPS: u32 = 8;
 /// Photons that are followed together.
 const TOGETHER: u32 = 1024;
 
-/// Number of photons that a picture is worth.
-pub fn count(settings: &Settings) -> u32 {
-    (PER_PIXEL * settings.width * settings.height).clamp(FEWEST, MOST) as u32
+/// Number of photons that a picture of so many pixels, and samples of each, is worth.
+pub fn count(pixels: usize, samples: u32) -> u32 {
+    (pixels.saturating_mul(samples as usize) / PATHS).clamp(1, MOST) as u32
 }
 
 /// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt

@@ -6,9 +6,10 @@ use glam::DVec3;
 use super::flight::{SpinningFlight, SpinningMove};
 use super::span::SpinningSpan;
 use crate::geodesic::kerr::{
-    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UsePowers, dense_displacement, with_powers,
+    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UnitHole, UsePowers, dense_displacement,
+    with_powers,
 };
-use crate::geodesic::{SpaceArc, fit_space_arc};
+use crate::geodesic::{SpaceArc, fit_sampled_arc};
 use crate::math::columns::Row;
 use crate::math::fast_log2;
 use crate::math::kernel::{Kernel, NOTHING, map};
@@ -32,6 +33,17 @@ pub trait SeriesMarch: Send + Sync {
 
     /// Poses after parts of blocks of steps.
     fn pose_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    );
+
+    /// Pose beside a span's point, given about what part of the step leads there.
+    fn pose_beside(&self, span: &SpinningSpan, part: &PartialStep) -> Pose;
+
+    /// Poses beside the points of blocks of spans, given about what parts of the steps lead there.
+    fn pose_beside_all(
         &self,
         spans: &[<SpinningSpan as Row>::Block],
         parts: &[<PartialStep as Row>::Block],
@@ -82,6 +94,11 @@ const GROWTH: (f32, f32) = (0.8, 4.0);
 const SHRINKAGE: (f32, f32) = (0.2, 0.7);
 /// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
 const OUTSIDE: f64 = 0.5;
+/// Inverse radius down to which a step may end, as a part of that at its start: a longer way is no arc.
+const FARTHEST: f64 = 0.25;
+/// Parts of the way at which the arc is compared with the ray, at about which it is farthest off.
+const EARLY: f64 = 0.2;
+const LATE: f64 = 0.8;
 /// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
 /// it in.
 const EDGE: f64 = 0.7;
@@ -92,16 +109,34 @@ pub fn keeps_outside(outer: f64, start: &MinoState, end: &MinoState) -> bool {
     (start.u < outer) & (end.u < outer) & ((start.v > 0.0) == (end.v > 0.0))
 }
 
+/// Displacement after about a `part` of the way of a step of length `h`.
+///
+/// Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and its arc
+/// is off, near its start: between both.
+#[inline(always)]
+fn on_the_way<const P: usize>(
+    hole: &UnitHole,
+    series: &Series<P>,
+    step: &SeriesStep,
+    h: f64,
+    part: f64,
+) -> DVec3 {
+    let near = part * series.start.u;
+    let of_way = near / (near + (1.0 - part) * step.end.u);
+    dense_displacement(hole, series, 0.5 * (part + of_way) * h)
+}
+
 impl SpinningMarch {
     /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
     /// not go far beyond.
     #[inline(always)]
-    fn within(&self, h: f64, state: &MinoState) -> f64 {
+    fn within<const P: usize>(&self, h: f64, series: &Series<P>) -> f64 {
         let outer = self.chart.outer;
         let edge = EDGE * outer;
-        let MinoState { u, v, .. } = *state;
-        let end = if u > outer { OUTSIDE * outer } else { OUTSIDE * u };
-        let bounded = if v < 0.0 { (end - u) / v } else { (edge - u) / v };
+        let MinoState { u, v, .. } = series.start;
+        let end = OUTSIDE * if u > outer { outer } else { u };
+        let end = if end > FARTHEST * u { end } else { FARTHEST * u };
+        let bounded = if v < 0.0 { series.fall_by(end - u) } else { (edge - u) / v };
         let is_bounded = (v < 0.0) | (u < OUTSIDE * edge);
         if is_bounded & (bounded < h) { bounded } else { h }
     }
@@ -117,13 +152,16 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
         let held = &self.held;
         let (hole, state, constants) = (&held.place.hole, flight.state(), flight.constants());
         let series = Series::<P>::new(hole, &constants, &state);
-        let h = held.within(self.control.length(hole, &series), &state);
+        let h = held.within(self.control.length(hole, &series), &series);
         let h = if flight.longest < h { flight.longest } else { h };
         let step = SeriesStep::new(hole, &constants, &series, h);
-        // About halfway of the way, not of λ: on a straight radius u is linear.
-        let through = dense_displacement(hole, &series, h * (state.u / (state.u + step.end.u)));
-        let (start, end) = (state.motion(hole, &constants), step.end.motion(hole, &constants));
-        let SpaceArc { middle, weight, error } = fit_space_arc(step.displacement, through, start, end);
+        let points = [
+            on_the_way(hole, &series, &step, h, EARLY),
+            on_the_way(hole, &series, &step, h, 0.5),
+            on_the_way(hole, &series, &step, h, LATE),
+        ];
+        let tangents = [state.velocity(hole, &constants), step.end.velocity(hole, &constants)];
+        let SpaceArc { middle, weight, error } = fit_sampled_arc(step.displacement, points, tangents);
         // What no search follows need not be followed closely.
         let searched = !keeps_outside(held.chart.outer, &state, &step.end);
         let error = if searched { error } else { 0.0 };
@@ -156,10 +194,11 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
     }
 }
 
-/// Parts of steps.
-struct SpinningPoses<'a, const P: usize>(&'a SpinningSteps<P>);
+/// Parts of steps: as they are, or `BESIDE` the points of their spans, by a step of Newton's method, which costs less than
+/// to make the series again.
+struct SpinningPoses<'a, const P: usize, const BESIDE: bool>(&'a SpinningSteps<P>);
 
-impl<const P: usize> Kernel for SpinningPoses<'_, P> {
+impl<const P: usize, const BESIDE: bool> Kernel for SpinningPoses<'_, P, BESIDE> {
     type A = SpinningSpan;
     type B = PartialStep;
     type Out = Pose;
@@ -169,7 +208,19 @@ impl<const P: usize> Kernel for SpinningPoses<'_, P> {
         let place = &self.0.held.place;
         let (hole, state, constants) = (&place.hole, span.state(), span.constants());
         let series = Series::<P>::new(hole, &constants, &state);
-        let step = SeriesStep::new(hole, &constants, &series, part.s * span.h);
+        let part = if BESIDE {
+            let there = series.at(hole, part.s * span.h).state;
+            let velocity = there.velocity(hole, &constants);
+            let way = place.inwards(span.way) * (1.0 / place.mass);
+            let ahead = way - dense_displacement(hole, &series, part.s * span.h);
+            let share = ahead.dot(velocity) / velocity.length_squared();
+            let nearer = part.s + share * (there.u * there.u) / span.h;
+            let nearer = if nearer > 0.0 { nearer } else { 0.0 };
+            if nearer < 1.0 { nearer } else { 1.0 }
+        } else {
+            part.s
+        };
+        let step = SeriesStep::new(hole, &constants, &series, part * span.h);
         let [velocity, turning] = step.end.motion(hole, &constants);
         let length = velocity.length();
         let tangent = velocity * (1.0 / length);
@@ -186,7 +237,7 @@ impl<const P: usize> Kernel for SpinningPoses<'_, P> {
             curvature: bending / (length * length) * per_mass,
             inverse_scale: u * per_mass,
             speed: span.h * length / (u * u) * place.mass,
-            s: part.s,
+            s: part,
         }
     }
 }
@@ -205,7 +256,7 @@ impl<const P: usize> SeriesMarch for SpinningSteps<P> {
     }
 
     fn pose(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
-        SpinningPoses(self).run(span, part)
+        SpinningPoses::<P, false>(self).run(span, part)
     }
 
     fn pose_all(
@@ -214,6 +265,19 @@ impl<const P: usize> SeriesMarch for SpinningSteps<P> {
         parts: &[<PartialStep as Row>::Block],
         poses: &mut [<Pose as Row>::Block],
     ) {
-        map(&SpinningPoses(self), spans, parts, poses);
+        map(&SpinningPoses::<P, false>(self), spans, parts, poses);
+    }
+
+    fn pose_beside(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
+        SpinningPoses::<P, true>(self).run(span, part)
+    }
+
+    fn pose_beside_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        map(&SpinningPoses::<P, true>(self), spans, parts, poses);
     }
 }

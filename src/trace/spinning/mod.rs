@@ -4,6 +4,7 @@
 //! ([`UnitHole::reversed`](crate::geodesic::kerr::UnitHole::reversed)). Directions at cameras and surfaces are those of
 //! the frame at rest, places and normals those of the chart: [`RestFrame`](crate::spacetime::RestFrame) goes between.
 
+mod at_rest;
 mod commit_step;
 mod flight;
 mod launch;
@@ -25,6 +26,7 @@ use crate::geometry::{Found, Geometry, PrimitiveId, Query};
 use crate::light::{LightSampler, Regions};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
+use at_rest::{LandingsAtRest, land_all_at_rest, land_at_rest};
 use commit_step::SpinningCommits;
 use flight::{SpinningFlight, SpinningMove};
 use launch::SpinningLaunches;
@@ -53,6 +55,7 @@ pub struct SpinningScratch {
     launched: Columns<SpinningFlight>,
     on_rays: RayLandings<SpinningSpan>,
     on_arcs: ArcLandings,
+    at_rest: LandingsAtRest,
 }
 
 impl Transport for Spinning {
@@ -134,7 +137,7 @@ impl Transport for Spinning {
             Some(geometry) if !step.is_close => land_on_ray(self, geometry, (flight, step), found),
             _ => land_on_arc(&self.arc(flight, step), found),
         };
-        (self.landed(landing), ())
+        (land_at_rest(&self.place, &landing), ())
     }
 
     fn settle_all(
@@ -144,12 +147,13 @@ impl Transport for Spinning {
         mut end: impl FnMut(usize, Outcome<SpinningFlight>, ()),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        let SpinningScratch { on_rays, on_arcs, .. } = scratch;
+        let SpinningScratch { on_rays, on_arcs, at_rest, .. } = scratch;
         let lanes = found.len();
         sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
-        let mut land = |lane, landing| end(lane, self.landed(landing), ());
+        let mut land = |lane, landing| at_rest.landings.push((lane, landing));
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
         land_all_on_rays(self, geometry, (flights, moves), on_rays, &mut land);
+        land_all_at_rest(&self.place, at_rest, |lane, outcome| end(lane, outcome, ()));
         // Those that landed go on as well, to nowhere.
         update(&SpinningCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         for (lane, found) in found.iter().enumerate() {
@@ -161,6 +165,10 @@ impl Transport for Spinning {
 
     fn course(&self, flight: &SpinningFlight, step: &SpinningMove) -> Option<Arc> {
         step.accepted.then(|| self.arc(flight, step))
+    }
+
+    fn course_error(&self) -> f64 {
+        self.arc_tolerance
     }
 
     fn length(&self, flight: &SpinningFlight, step: &SpinningMove, point: Option<DVec3>) -> f64 {

@@ -8,7 +8,7 @@ use crate::scene::Baked;
 use crate::spacetime::{AtInfinity, Chart, KerrNewman, Placement, RestFrame};
 use crate::trace::arc_sweep::ArcSweep;
 use crate::trace::flight_status::FlightStatus;
-use crate::trace::transport::{Landing, Outcome};
+use crate::trace::transport::Outcome;
 
 /// Rays around a spinning hole.
 pub struct Spinning {
@@ -95,15 +95,5 @@ impl Spinning {
             KerrEnd::StepLimit => Outcome::StepLimit,
             KerrEnd::Falls | KerrEnd::Misses | KerrEnd::NonFinite => Outcome::NonFinite,
         }
-    }
-
-    /// Landing as the frame at rest has it, from one in the chart. What reaches into the ergosphere in spite of the
-    /// scene's checks takes the ray with it.
-    pub fn landed(&self, landing: Landing) -> Outcome<SpinningFlight> {
-        let direction = self.frame.direction(landing.position, landing.direction);
-        if !direction.is_finite() {
-            return Outcome::Captured;
-        }
-        Outcome::Landed(Landing { direction, ..landing })
     }
 }

@@ -12,9 +12,11 @@ impl Retrace for Spinning {
     type Span = SpinningSpan;
 
     #[inline(always)]
-    fn span(&self, flight: &SpinningFlight, step: &SpinningMove) -> SpinningSpan {
+    fn span(&self, flight: &SpinningFlight, step: &SpinningMove, point: DVec3) -> SpinningSpan {
         let &SpinningFlight { position, u, v, n, m, l, k, j2, k2, kappa, .. } = flight;
-        SpinningSpan { position: position + self.place.center, u, v, n, m, l, k, j2, k2, kappa, h: step.h }
+        let position = position + self.place.center;
+        let way = point - position;
+        SpinningSpan { position, way, u, v, n, m, l, k, j2, k2, kappa, h: step.h }
     }
 
     #[inline(always)]
@@ -37,6 +39,19 @@ impl Retrace for Spinning {
         poses: &mut [<Pose as Row>::Block],
     ) {
         self.march.pose_all(spans, parts, poses);
+    }
+
+    fn pose_beside(&self, span: &SpinningSpan, part: &PartialStep) -> Pose {
+        self.march.pose_beside(span, part)
+    }
+
+    fn pose_beside_all(
+        &self,
+        spans: &[<SpinningSpan as Row>::Block],
+        parts: &[<PartialStep as Row>::Block],
+        poses: &mut [<Pose as Row>::Block],
+    ) {
+        self.march.pose_beside_all(spans, parts, poses);
     }
 
     fn tolerance(&self) -> f64 {

@@ -28,6 +28,8 @@ columns! {
         k2: f64,
         /// κ.
         kappa: f64,
+        /// The way from the start to a point beside the step, along the world's axes.
+        way: DVec3,
         /// Length of the whole step in λ.
         h: f64,
     }

@@ -199,7 +199,7 @@ fn passes<T: Transport>(
     let Some(course) = transport.course(flight, step) else { return false };
     let chord = course.chord();
     let s = course.parameter_beside(point);
-    course.point(s).distance(point) <= NEAR * chord.start.distance(chord.end)
+    course.point(s).distance(point) <= NEAR * chord.start.distance(chord.end) + transport.course_error()
         && found.is_none_or(|found| course.parameter_beside(found.point) > s)
 }
 

@@ -23,7 +23,7 @@ pub struct Meeting {
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let mut meeting = Meeting {
         primitive: landing.primitive,
-        surface: surface_at(scene, landing.primitive, landing.position),
+        surface: surface_at(scene, landing.primitive, landing),
         crossing: InterfaceCrossing::none(media),
     };
     if is_glass(scene, &meeting.surface) {
@@ -42,12 +42,11 @@ impl Meeting {
     }
 }
 
-/// Surface of a primitive at a position, with normals in the frame at rest.
+/// Surface of a primitive where a path lands, with normals in the frame at rest.
 #[inline(always)]
-fn surface_at(scene: &Baked, primitive: PrimitiveId, position: DVec3) -> SurfacePoint {
-    let surface = scene.geometry.surface_point(primitive, position);
-    let frame = scene.spacetime.rest_frame();
-    let [normal, shading_normal] = frame.normals(position, [surface.normal, surface.shading_normal]);
+fn surface_at(scene: &Baked, primitive: PrimitiveId, landing: &Landing) -> SurfacePoint {
+    let surface = scene.geometry.surface_point(primitive, landing.position);
+    let [normal, shading_normal] = landing.stretch.normals([surface.normal, surface.shading_normal]);
     SurfacePoint { normal, shading_normal, ..surface }
 }
 
@@ -58,10 +57,10 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
 /// Meets what lies upon glass with it.
 #[inline(never)]
 fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeting) {
-    let &Landing { position, direction, primitive } = landing;
+    let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
-    let others = || others.iter().map(|&other| (other, surface_at(scene, other, position)));
+    let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
         (meeting.primitive, meeting.surface) = (solid, surface);
         return;

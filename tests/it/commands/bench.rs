@@ -104,7 +104,7 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
         .sum();
     let learning = wavefront.number("learning_seconds");
     assert!(learning > 0.0 && seconds > 0.0);
-    let whole = wavefront.number("threads") * (wavefront.number("seconds") - learning);
+    let whole = wavefront.number("cpu_seconds") - learning;
     assert!(seconds <= whole, "{seconds} of {whole}");
     let per_pixel = &rows[2];
     assert!(
@@ -115,10 +115,32 @@ fn stages_handle_every_ray_and_lanes_are_neither_empty_nor_more_than_full() {
         assert!(text.contains(part), "{text}\nlacks {part}");
     }
     let svg = place.read("out.svg");
-    for part in ["scatter", "per-pixel", "thread time per camera path (µs)", "round"] {
+    for part in ["scatter", "per-pixel", "CPU time per camera path (µs)", "round"] {
         assert!(svg.contains(part), "{part} is missing");
     }
     assert!(image::open(place.path("out.png")).unwrap().width() > 800);
+}
+
+#[test]
+fn a_build_is_compared_with_the_record_of_the_one_before() {
+    let place = place();
+    race(&place, &SMALL);
+    let again = |flags: &[&str]| {
+        place.run(&[&["bench", "scene.toml", "--baseline", "flat,previous:out.json"], flags].concat())
+    };
+    let output = again(&SMALL);
+    assert_good(&output);
+    let text = stdout(&output);
+    for part in ["wavefront: ", "times the CPU time per path of `out.json`", "| ns/ray before"] {
+        assert!(text.contains(part), "{text}\nlacks {part}");
+    }
+    assert_refused(&again(&["--size", "24x16", "--spp", "3"]), &["out.json", "spp 2", "3"]);
+    assert_refused(&again(&[&SMALL[..], &["-o", "out"]].concat()), &["out.json"]);
+    let refused = |file: &str| {
+        place.run(&["bench", "scene.toml", "--baseline", &format!("previous:{file}"), "--size", "24x16"])
+    };
+    assert_refused(&refused("none.json"), &["none.json"]);
+    assert_refused(&refused("scene.toml"), &["scene.toml", "bench -o PREFIX"]);
 }
 
 #[test]
@@ -158,7 +180,7 @@ fn sweeps_measure_the_values_asked_for() {
     assert!(grows("pixels", |c| c.0) > 2.0 && grows("spp", |c| c.0) > 2.0 && grows("depth", |c| c.0) > 1.2);
     assert!(grows("tolerance", |c| c.1) > 1.2 && grows("radius", |c| c.1) != 1.0);
     let svg = place.read("out.svg");
-    for part in ["triangles", "time (s)", "per-pixel", "thread time per camera path (µs)"] {
+    for part in ["triangles", "time (s)", "per-pixel", "CPU time per camera path (µs)"] {
         assert!(svg.contains(part), "{part} is missing");
     }
 }

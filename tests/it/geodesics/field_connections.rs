@@ -1,9 +1,7 @@
 //! Rays that join two places of a field: those of one hole, back and forth, in flat space, and how many of all are found.
 
 use crate::support::Random;
-use warpfront::geodesic::{
-    FieldConnection, FieldControl, FieldTarget, JoinLimits, Lens, Site, join_in_field,
-};
+use warpfront::geodesic::{FieldConnection, FieldControl, FieldTarget, JoinLimits, Lens, join_in_field};
 use warpfront::light::{FieldAim, FieldWay};
 use warpfront::spacetime::{Hole, IndexField, ReissnerNordstrom, SeveralHoles};
 
@@ -36,7 +34,7 @@ fn rays_past_one_hole_are_those_of_a_hole_of_extremal_charge() {
         let aim = FieldAim::new(field.clone(), if number % 3 == 0 { 2 } else { 1 });
         let [x, y] = [(); 2].map(|()| random.log_between(0.3, 100.0) * mass * random.direction());
         let (target, site, enough) = if number % 3 == 0 {
-            (FieldTarget::Infinity(y.normalize()), Site::infinity(y.normalize()), 1e-9)
+            (FieldTarget::Infinity(y.normalize()), lens.infinity(y.normalize()), 1e-9)
         } else {
             (FieldTarget::Place(center + y), lens.site(&metric, y), 2e-9 * x.distance(y))
         };

@@ -9,7 +9,7 @@ use crate::support::Random;
 use crate::support::orbits::{aimed, exact_sweep, fly, sensitivity_at_infinity, swept, with_every_stepper};
 use glam::DVec3;
 use rayon::prelude::*;
-use warpfront::geodesic::{Dop853, Launch, Stepper};
+use warpfront::geodesic::{ArealSeries, Dop853, Launch, OrbitStepper, Stepper};
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
@@ -84,9 +84,9 @@ const SELDOM: Allowed = Allowed { largest: 2.5, above: 0.006 };
 /// Prints and judges the errors of one stepper in numbers of type `R`, relative to the tolerance.
 ///
 /// `rounding` is that of the start, of the steps and of the exact answer, before it grows with the sensitivity.
-fn check<R: Real, S: Stepper>(
+fn check<R: Real, S: OrbitStepper>(
     name: &str,
-    stepper: S,
+    stepper: impl Fn(&Schwarzschild, f64) -> S + Sync,
     tolerances: &[f64],
     cases: &[Case],
     rounding: f64,
@@ -95,6 +95,7 @@ fn check<R: Real, S: Stepper>(
     println!("{name:9} tolerance    median      99 %   largest   above 1   steps");
     for &tolerance in tolerances {
         let one = |case: &Case| {
+            let stepper = stepper(&case.medium, tolerance);
             let journey = fly::<_, _, R>(&case.medium, &stepper, tolerance, &case.launch, 0.0, |_| ());
             let swept = swept(&journey).unwrap_or_else(|| panic!("{:?}: {:?}", case.launch, journey.end));
             ((swept - case.exact).abs() / ((tolerance + rounding) * case.sens), journey.steps)
@@ -135,8 +136,32 @@ fn check_every_stepper(aim: Aim) {
     with_every_stepper!(|name, stepper| {
         let (last, allowed) = if order(&stepper) > 4 { (12, ALWAYS) } else { (9, SELDOM) };
         let count = if matches!(name, "Rkn6" | "Dop853") { 10_000 } else { 2_000 };
-        check::<f64, _>(name, stepper, &decades(last), &cases[..count], 5e-15, allowed)
+        check::<f64, _>(name, |_, _| stepper, &decades(last), &cases[..count], 5e-15, allowed)
     });
+}
+
+/// Series around a hole.
+fn series<const P: usize>(medium: &Schwarzschild, tolerance: f64) -> ArealSeries<P> {
+    ArealSeries::new(&medium.as_hole().expect("it is one"), tolerance)
+}
+
+#[test]
+fn a_ray_by_series_is_off_by_its_tolerance_at_most() {
+    for aim in [Aim::Anywhere, Aim::Critical] {
+        let cases = cases(aim, 10_000, f64::EPSILON);
+        check::<f64, _>("series 8", series::<8>, &[1e-2, 1e-3, 1e-4], &cases, 5e-15, ALWAYS);
+        check::<f64, _>("series 10", series::<10>, &[1e-5, 1e-6, 1e-7], &cases, 5e-15, ALWAYS);
+        check::<f64, _>("series 14", series::<14>, &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12], &cases, 5e-15, ALWAYS);
+    }
+}
+
+#[test]
+fn a_ray_by_series_in_single_precision_is_off_by_its_tolerance_at_most() {
+    for aim in [Aim::Anywhere, Aim::Critical] {
+        let cases = cases(aim, 2_000, f64::from(f32::EPSILON));
+        let allowed = if aim == Aim::Anywhere { ALWAYS } else { SELDOM };
+        check::<f32, _>("series 8", series::<8>, &[1e-2, 1e-3, 1e-4], &cases, 5e-7, allowed);
+    }
 }
 
 #[test]
@@ -157,7 +182,7 @@ fn a_ray_in_single_precision_is_off_by_its_tolerance_at_most() {
             // Close to the critical ray a rounding of the start in single precision may be more than the tolerance.
             let keeps = aim == Aim::Anywhere && order(&stepper) > 4;
             let allowed = if keeps { ALWAYS } else { SELDOM };
-            check::<f32, _>(name, stepper, &[1e-2, 1e-3, 1e-4], &cases[..2_000], 5e-7, allowed)
+            check::<f32, _>(name, |_, _| stepper, &[1e-2, 1e-3, 1e-4], &cases[..2_000], 5e-7, allowed)
         });
     }
 }

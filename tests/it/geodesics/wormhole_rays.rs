@@ -116,7 +116,7 @@ fn to_the_sphere(scene: &Baked, case: &Case) -> Landing {
     if case.start.position.distance(center) <= case.r_out {
         return landing;
     }
-    let Landing { position, direction, primitive: origin_prim } = landing;
+    let Landing { position, direction, primitive: origin_prim, .. } = landing;
     let second = end(scene, Ray { position, direction, origin_prim });
     let Outcome::Landed(landing) = second else { panic!("{}: {second:?}", case.name) };
     landing
@@ -128,7 +128,8 @@ fn check(tolerance: f64, stepper: &str) {
     assert_eq!(cases.len(), 196);
     for case in &cases {
         let Case { name, end, sens, r_out, .. } = case;
-        let Landing { position, direction, primitive } = to_the_sphere(&case.scene(tolerance, stepper), case);
+        let Landing { position, direction, primitive, .. } =
+            to_the_sphere(&case.scene(tolerance, stepper), case);
         if primitive.side() != end.side {
             faults.push(format!("{name}: on the {:?} side, not {:?}", primitive.side(), end.side));
             continue;

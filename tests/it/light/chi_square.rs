@@ -435,7 +435,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
             assert!(matches!(sample.light, Incoming::Radiance(..) | Incoming::Sky(..)));
             let met = match (sample.target, shot.end) {
                 (target, Outcome::Landed(landing)) => {
-                    let Landing { primitive, position, direction } = landing;
+                    let Landing { primitive, position, direction, .. } = landing;
                     sampler.reaches(&lights, target, &LightRayEnd { primitive, position, direction })
                 }
                 (Target::Infinity(_), Outcome::Escaped(_)) => true,
@@ -448,7 +448,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let density = |direction: DVec3, end: &Outcome<_>| match end {
             Outcome::Landed(landing) => {
                 let front = geometry.surface_point(landing.primitive, landing.position).normal;
-                let Landing { primitive, position, direction: arrival } = *landing;
+                let Landing { primitive, position, direction: arrival, .. } = *landing;
                 let hit = EmitterHit { primitive, position, normal: front, arrival };
                 sampler.surface_density(&lights, &receiver, direction, &hit)
             }

@@ -58,7 +58,7 @@ impl Lit {
 
     /// The density of a ray that was followed to its end.
     fn density(&self, receiver: &Receiver, direction: DVec3, landing: &Landing) -> f64 {
-        let Landing { primitive, position, direction: arrival } = *landing;
+        let Landing { primitive, position, direction: arrival, .. } = *landing;
         let hit = EmitterHit { primitive, position, normal: self.normal(landing), arrival };
         self.sampler.surface_density(&self.lights, receiver, direction, &hit)
     }
@@ -93,7 +93,7 @@ impl Lit {
 /// Whether a ray ended where it was aimed at.
 fn is_met(lit: &Lit, target: Target, landing: &Landing) -> bool {
     // A disk around the hole sees itself edge-on.
-    let &Landing { primitive, position, direction } = landing;
+    let &Landing { primitive, position, direction, .. } = landing;
     let end = LightRayEnd { primitive, position, direction };
     let is_seen = landing.direction.dot(lit.normal(landing)).abs() > 1e-6;
     is_seen && lit.sampler.reaches(&lit.lights, target, &end)

@@ -53,7 +53,7 @@ fn lights_nearer_to_the_hole_than_any_surface_shine() {
 #[test]
 fn they_shine_for_every_stepper_precision_and_schedule() {
     let expected = brightness(&floor(&point(0.7), &covered()));
-    for stepper in [StepperKind::Rkn6, StepperKind::Dop853] {
+    for stepper in [StepperKind::Rkn6, StepperKind::Series, StepperKind::Dop853] {
         for precision in [Precision::F32, Precision::F64] {
             for schedule in [Schedule::Wavefront, Schedule::PerPixel] {
                 let mut scene = floor(&point(0.7), "");

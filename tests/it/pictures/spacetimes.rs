@@ -68,7 +68,7 @@ fn charged_holes_have_the_same_bits_by_both_schedules_and_with_the_papers_scheme
         "film.height=18",
         "render.spp=4",
     ];
-    for stepper in ["rkn6", "dop853", "rk4-paper"] {
+    for stepper in ["rkn6", "series", "dop853", "rk4-paper"] {
         let stepper = format!("render.stepper=\"{stepper}\"");
         let with = |schedule: &str| values(&path, &[&common[..], &[&stepper, schedule]].concat());
         assert_eq!(with("render.schedule=\"wavefront\""), with("render.schedule=\"per-pixel\""), "{stepper}");

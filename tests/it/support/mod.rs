@@ -65,9 +65,9 @@ pub fn table(name: &str) -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// The names of all steppers that follow orbits to a tolerance.
+/// The names of all steppers that follow the rays of a hole that does not spin to a tolerance.
 pub fn orbit_steppers() -> Vec<String> {
-    StepperKind::OF_ORBITS.map(flag_name).to_vec()
+    StepperKind::AROUND_A_HOLE.map(flag_name).to_vec()
 }
 
 /// The path of a file in `scenes/`.

@@ -3,7 +3,7 @@
 #![allow(dead_code, unused_imports, unused_macros)] // Each test file is a crate of its own and uses a part of this.
 
 use glam::DVec3;
-use warpfront::geodesic::{Control, Journey, Launch, OrbitEnd, Phase, Step, Stepper, follow};
+use warpfront::geodesic::{Control, Journey, Launch, OrbitEnd, OrbitStepper, Phase, Step, follow};
 use warpfront::math::dual::Dual;
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
@@ -38,7 +38,7 @@ pub fn start<M: ConformallyFlat, R: Real>(medium: &M, launch: &Launch) -> (R, Ph
 }
 
 /// Follows a ray across the sphere of inverse radius `w_out`, without arcs; `each` sees the steps that are taken.
-pub fn fly<M: ConformallyFlat, S: Stepper, R: Real>(
+pub fn fly<M: ConformallyFlat, S: OrbitStepper, R: Real>(
     medium: &M,
     stepper: &S,
     tolerance: f64,
@@ -51,7 +51,7 @@ pub fn fly<M: ConformallyFlat, S: Stepper, R: Real>(
 }
 
 /// A ray that is followed together with its derivative by the angle at which it starts.
-pub fn fly_with_derivative<M: ConformallyFlat, S: Stepper>(
+pub fn fly_with_derivative<M: ConformallyFlat, S: OrbitStepper>(
     medium: &M,
     stepper: &S,
     tolerance: f64,
@@ -75,7 +75,7 @@ pub fn sensitivity(b: Dual<f64>, phase: &Phase<Dual<f64>>, swept: Dual<f64>) -> 
 }
 
 /// The sensitivity of a ray that escapes.
-pub fn sensitivity_at_infinity<M: ConformallyFlat, S: Stepper>(
+pub fn sensitivity_at_infinity<M: ConformallyFlat, S: OrbitStepper>(
     medium: &M,
     stepper: &S,
     launch: &Launch,

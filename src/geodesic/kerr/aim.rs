@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use crate::geodesic::kerr::{KerrLaunch, OrbitPlane, UnitHole};
+use super::hole::UnitHole;
+use super::launch::KerrLaunch;
+use super::plane::OrbitPlane;
 use crate::math::frame::tangents;
 
 /// A place around the hole: units of its mass, spin along z.
@@ -22,17 +24,14 @@ pub struct KerrPlace {
 pub struct PlaneShot {
     /// Unit direction at its start, in the frame at rest.
     pub direction: DVec3,
-    /// Unit tangent of N's great circle at the start, and the angle along it to the end, radians.
-    tangent: DVec3,
-    angle: f64,
+    /// Angle that it sweeps about the centre, radians.
+    pub angle: f64,
     /// Angle from falling radially, radians.
     alpha: f64,
     /// Derivative of the inverse radius at the end by α; NaN if unknown.
     by_alpha: f64,
-    /// Derivative of the inverse radius at the end by the angle.
-    slope: f64,
     /// Winding about the axis at the end, radians.
-    turn: f64,
+    pub turn: f64,
 }
 
 /// A ray to a place, with the winding about the axis on the way.
@@ -57,11 +56,9 @@ const MAX_ORBITS: usize = 32;
 const TOLERANCE: f64 = 3e-4;
 /// Impact parameter near that of capture, of any spin.
 const CRITICAL: f64 = 5.5;
-/// Difference by which derivatives are estimated, radians.
-const DIFFERENCE: f64 = 1e-3;
 
-/// `n` turned about z.
-fn turned(n: DVec3, angle: f64) -> DVec3 {
+/// `n` turned about z by an angle, radians.
+pub fn turned(n: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z)
 }
@@ -73,13 +70,32 @@ impl KerrPlace {
         Self { r, n }
     }
 
+    /// About how much light comes around from a small light at `other`, relative to what comes the near way: as if
+    /// deflection were weak.
+    pub fn ratio_around(&self, other: &KerrPlace) -> f64 {
+        let off_axis = libm::acos((-self.n.dot(other.n)).clamp(-1.0, 1.0));
+        // The angle between light and hole in units of Einstein's.
+        let square = off_axis * off_axis / (4.0 * (1.0 / self.r + 1.0 / other.r));
+        let magnification = (square + 2.0) / (square * (square + 4.0)).sqrt();
+        1.0 - 2.0 / (magnification + 1.0)
+    }
+
     /// The half-plane of orbits that start along `tangent`.
-    fn plane(&self, hole: &UnitHole, tangent: DVec3) -> Option<OrbitPlane> {
+    pub(super) fn plane(&self, hole: &UnitHole, tangent: DVec3) -> Option<OrbitPlane> {
         OrbitPlane::new(hole, (1.0 / self.r, self.n), tangent)
     }
 
+    /// Unit tangent at N of the great circle to `n`, and the angle along it that rays with this winding number sweep.
+    pub(super) fn towards(&self, n: DVec3, winding: u32) -> (DVec3, f64) {
+        let cos = self.n.dot(n);
+        let across = n - cos * self.n;
+        let tangent = across.try_normalize().unwrap_or_else(|| tangents(self.n).0);
+        let near = libm::atan2(across.length(), cos);
+        if winding == 0 { (tangent, near) } else { (-tangent, TAU - near) }
+    }
+
     /// Unit direction in the frame at rest in which an orbit starts.
-    fn direction(&self, hole: &UnitHole, plane: &OrbitPlane, alpha: f64) -> DVec3 {
+    pub(super) fn direction(&self, hole: &UnitHole, plane: &OrbitPlane, alpha: f64) -> DVec3 {
         let orbit = plane.orbit(alpha);
         let momentum = orbit.start.momentum(hole, &orbit.constants);
         KerrLaunch::direction_at_rest(hole, (self.r, self.n), momentum)
@@ -94,16 +110,24 @@ impl KerrPlace {
         winding: u32,
         guess: Option<&PlaneShot>,
     ) -> Option<PlaneShot> {
-        let cos = self.n.dot(target.n);
-        let across = target.n - cos * self.n;
-        let tangent = across.try_normalize().unwrap_or_else(|| tangents(self.n).0);
-        let near = libm::atan2(across.length(), cos);
-        let (tangent, angle) = if winding == 0 { (tangent, near) } else { (-tangent, TAU - near) };
+        self.shoot_along(hole, target.r, self.towards(target.n, winding), guess)
+    }
+
+    /// The ray from here that leaves along the unit `tangent` across N and is at the radius `to` after an angle, as if
+    /// nothing wound about the axis.
+    pub(super) fn shoot_along(
+        &self,
+        hole: &UnitHole,
+        to: f64,
+        (tangent, angle): (DVec3, f64),
+        guess: Option<&PlaneShot>,
+    ) -> Option<PlaneShot> {
         let plane = self.plane(hole, tangent)?;
-        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / target.r), angle, guess)?;
-        let Solution { alpha, by_alpha, slope, turn } = found;
+        let guess = guess.map(|shot| PlaneGuess { alpha: shot.alpha, by_alpha: shot.by_alpha });
+        let found = solve(hole, &plane, (1.0 / self.r, 1.0 / to), angle, guess)?;
+        let PlaneSolution { alpha, by_alpha, turn } = found;
         let direction = self.direction(hole, &plane, alpha);
-        direction.is_finite().then_some(PlaneShot { direction, tangent, angle, alpha, by_alpha, slope, turn })
+        direction.is_finite().then_some(PlaneShot { direction, angle, alpha, by_alpha, turn })
     }
 
     /// The ray from here to `target` with this winding number.
@@ -133,11 +157,6 @@ impl KerrPlace {
 }
 
 impl Aimed {
-    /// Unit vector across the plane of the orbit at its end.
-    pub fn across(&self, from: &KerrPlace) -> DVec3 {
-        turned(from.n.cross(self.shot.tangent), self.turn)
-    }
-
     /// Direction in which a `position` beside the end is seen, by rays that wind about the axis as much.
     pub fn beside(&self, from: &KerrPlace, hole: &UnitHole, position: DVec3) -> Option<DVec3> {
         let place = KerrPlace::new(hole, position);
@@ -145,38 +164,9 @@ impl Aimed {
         Some(from.shoot(hole, &place, self.winding, Some(&self.shot))?.direction)
     }
 
-    /// Changes of direction with small changes of the end, each given by that of r N, relative to r: linear, with what
-    /// is across the plane turning it alone. `None` where derivatives are not known.
-    pub fn shifts(
-        &self,
-        from: &KerrPlace,
-        hole: &UnitHole,
-        radius: f64,
-        changes: [DVec3; 3],
-    ) -> Option<[DVec3; 3]> {
-        let PlaneShot { direction, tangent, angle, alpha, by_alpha, slope, .. } = self.shot;
-        let (sin, cos) = libm::sincos(angle);
-        let across = from.n.cross(tangent);
-        let (end, along) = (cos * from.n + sin * tangent, cos * tangent - sin * from.n);
-        let steeper = self.direction_beside(from, hole, tangent, alpha + DIFFERENCE)?;
-        let tilted = self.direction_beside(from, hole, (tangent + DIFFERENCE * across).normalize(), alpha)?;
-        let (by_alpha_1, by_tilt) = ((steeper - direction) / DIFFERENCE, (tilted - direction) / DIFFERENCE);
-        let shifts = changes.map(|change| {
-            let change = turned(change, -self.turn);
-            let rise = -change.dot(end) / radius - slope * change.dot(along);
-            rise / by_alpha * by_alpha_1 + change.dot(across) / sin * by_tilt
-        });
-        shifts.iter().all(|shift| shift.is_finite()).then_some(shifts)
-    }
-
-    fn direction_beside(
-        &self,
-        from: &KerrPlace,
-        hole: &UnitHole,
-        tangent: DVec3,
-        alpha: f64,
-    ) -> Option<DVec3> {
-        Some(from.direction(hole, &from.plane(hole, tangent)?, alpha))
+    /// True if the ray goes around the hole.
+    pub fn goes_around(&self) -> bool {
+        self.winding > 0
     }
 
     /// Sine of the angle that the orbit sweeps, without its sign: the plane is as uncertain as this is small.
@@ -185,25 +175,31 @@ impl Aimed {
     }
 }
 
+/// A guess of a ray in a plane that ends at a radius, and the derivative of the inverse radius at its end by α.
+#[derive(Clone, Copy)]
+pub(super) struct PlaneGuess {
+    pub(super) alpha: f64,
+    pub(super) by_alpha: f64,
+}
+
 /// A ray in a plane that ends at a radius.
-struct Solution {
-    alpha: f64,
-    by_alpha: f64,
-    slope: f64,
-    turn: f64,
+pub(super) struct PlaneSolution {
+    pub(super) alpha: f64,
+    pub(super) by_alpha: f64,
+    pub(super) turn: f64,
 }
 
 /// The ray in a plane that goes from the first inverse radius to the second while it sweeps `angle`.
-fn solve(
+pub(super) fn solve(
     hole: &UnitHole,
     plane: &OrbitPlane,
     (from, to): (f64, f64),
     angle: f64,
-    guess: Option<&PlaneShot>,
-) -> Option<Solution> {
+    guess: Option<PlaneGuess>,
+) -> Option<PlaneSolution> {
     let (sin, cos) = libm::sincos(angle);
     let mut alpha = match guess {
-        Some(shot) => shot.alpha,
+        Some(guess) => guess.alpha,
         None => {
             // In flat space, but not captured.
             let flat = if angle < PI { libm::atan2(sin.max(1e-9), to / from - cos) } else { 0.0 };
@@ -235,7 +231,7 @@ fn solve(
             }
             None => {
                 let sin_alpha = libm::sin(alpha);
-                let slope = guess.map_or(f64::NAN, |shot| -shot.by_alpha);
+                let slope = guess.map_or(f64::NAN, |guess| -guess.by_alpha);
                 let slope = if slope > 0.0 { slope } else { from * sin.max(0.2) / (sin_alpha * sin_alpha) };
                 alpha + (miss / slope).clamp(-0.3, 0.3)
             }
@@ -255,8 +251,8 @@ fn solve(
         if is_found || high - low < TOLERANCE {
             // Of a warm start that was right at once.
             let by_alpha =
-                if by_alpha.is_nan() { guess.map_or(by_alpha, |shot| shot.by_alpha) } else { by_alpha };
-            return Some(Solution { alpha, by_alpha, slope: end.slope, turn: end.winding });
+                if by_alpha.is_nan() { guess.map_or(by_alpha, |guess| guess.by_alpha) } else { by_alpha };
+            return Some(PlaneSolution { alpha, by_alpha, turn: end.winding });
         }
     }
     None
