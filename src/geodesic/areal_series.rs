@@ -143,6 +143,19 @@ impl<const P: usize> ArealSeries<P> {
         Self { mass, h, e2, outer: 1.0 + root, inner: e2 / (1.0 + root), tolerance }
     }
 
+    /// A step outwards, and true if it ends at infinity.
+    #[inline(always)]
+    pub fn outwards<R: Real>(&self, b: R, start: Phase<R>) -> (Step<R>, bool) {
+        let expansion = self.expand(b, start);
+        let widest = (R::of(3.0) / b).at_most(R::of(1e30));
+        let longest = R::of(expansion.length(self, widest));
+        let root = expansion.infinity();
+        let reaches = (root <= longest) & (root > R::of(0.0));
+        let step = expansion.step(self, &expansion.along(if reaches { root } else { longest }));
+        let is_there = (step.end.w * R::of(self.mass)).abs() <= R::of(ROOTED * R::EPSILON) * expansion.u;
+        (step, reaches & is_there)
+    }
+
     #[inline(always)]
     fn expand<R: Real>(&self, b: R, start: Phase<R>) -> Expansion<R, P> {
         let (one, mass) = (R::of(1.0), R::of(self.mass));
@@ -392,18 +405,6 @@ impl<const P: usize> OrbitStepper for ArealSeries<P> {
         let expansion = self.expand(b, start);
         let x = R::of(expansion.length(self, h));
         expansion.step(self, &expansion.along(x))
-    }
-
-    #[inline(always)]
-    fn outwards<R: Real>(&self, b: R, start: Phase<R>) -> Option<(Step<R>, bool)> {
-        let expansion = self.expand(b, start);
-        let widest = (R::of(3.0) / b).at_most(R::of(1e30));
-        let longest = R::of(expansion.length(self, widest));
-        let root = expansion.infinity();
-        let reaches = (root <= longest) & (root > R::of(0.0));
-        let step = expansion.step(self, &expansion.along(if reaches { root } else { longest }));
-        let is_there = (step.end.w * R::of(self.mass)).abs() <= R::of(ROOTED * R::EPSILON) * expansion.u;
-        Some((step, reaches & is_there))
     }
 
     #[inline(always)]

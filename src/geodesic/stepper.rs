@@ -62,11 +62,6 @@ pub trait OrbitStepper: Copy + Send + Sync {
     /// A step of length `h` in ξ, or a shorter one.
     fn step<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
 
-    /// A step outwards, and true if it ends at infinity; `None` of steppers that do not tell how far that is.
-    fn outwards<R: Real>(&self, _b: R, _start: Phase<R>) -> Option<(Step<R>, bool)> {
-        None
-    }
-
     /// The step of length `h` in ξ: a part of one, its dense output.
     fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
 
