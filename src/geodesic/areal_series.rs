@@ -15,11 +15,11 @@
 //! w = aû/M,  dw/dû = n/M,  n = a/N.
 //! ```
 
-use super::stepper::OrbitStepper;
+use super::orbit_stepper::OrbitStepper;
 use super::{Control, Phase, Step, StepVerdict};
 use crate::math::fast_log2;
 use crate::math::real::Real;
-use crate::spacetime::{ConformallyFlat, ReissnerNordstrom};
+use crate::spacetime::{ConformallyFlat, StaticHole};
 
 /// Steps by series of `P` coefficients.
 #[derive(Clone, Copy, Debug)]
@@ -135,11 +135,12 @@ fn square<R: Real, const P: usize>(a: &[R; P], n: usize) -> R {
 
 impl<const P: usize> ArealSeries<P> {
     /// Series around `hole`, for rays of a `tolerance` in radians.
-    pub fn new(hole: &ReissnerNordstrom, tolerance: f64) -> Self {
-        let (mass, h) = (hole.mass(), hole.horizon());
-        let root = 2.0 * h / mass;
+    pub fn new(hole: &StaticHole, tolerance: f64) -> Self {
+        let StaticHole { mass, charge } = *hole;
+        let root = ((1.0 - charge) * (1.0 + charge)).sqrt();
+        let h = 0.5 * mass * root;
         let tolerance = calibration(P) * tolerance.max(Control::<f64>::least_tolerance());
-        let e2 = hole.charge() * hole.charge();
+        let e2 = charge * charge;
         Self { mass, h, e2, outer: 1.0 + root, inner: e2 / (1.0 + root), tolerance }
     }
 

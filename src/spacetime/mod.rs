@@ -47,6 +47,7 @@ mod rest_frame;
 mod schwarzschild;
 mod several_holes;
 mod side;
+mod static_hole;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
@@ -67,3 +68,4 @@ pub use rest_frame::RestFrame;
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
 pub use side::{AtInfinity, Side};
+pub use static_hole::StaticHole;

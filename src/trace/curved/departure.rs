@@ -6,7 +6,7 @@ use crate::geodesic::kerr::{UsePowers, with_powers};
 use crate::geodesic::{ArealSeries, Control, OrbitStepper, Phase};
 use crate::math::columns::{LANES, Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, update};
-use crate::spacetime::{ConformallyFlat, ReissnerNordstrom};
+use crate::spacetime::{ConformallyFlat, ReissnerNordstrom, StaticHole};
 use crate::trace::flight_status::FlightStatus;
 
 /// Most steps to infinity, before a ray is followed there by itself.
@@ -58,13 +58,13 @@ pub trait WayOut<R: Lane>: Send + Sync {
 /// The way to infinity around `medium` to a `tolerance` in radians, if that is a hole.
 pub fn way_out<M: ConformallyFlat, R: Lane>(medium: &M, tolerance: f64) -> Option<Box<dyn WayOut<R>>> {
     let hole = medium.as_hole()?;
-    let control = Control::new(&hole, tolerance, f64::INFINITY);
+    let control = Control::new(&ReissnerNordstrom::of(hole), tolerance, f64::INFINITY);
     Some(with_powers(tolerance, AroundHole { hole, control, tolerance }))
 }
 
 /// What series are made from.
 struct AroundHole<R> {
-    hole: ReissnerNordstrom,
+    hole: StaticHole,
     control: Control<R>,
     tolerance: f64,
 }

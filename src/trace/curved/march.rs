@@ -59,7 +59,8 @@ pub fn march<M: ConformallyFlat, R: Lane>(
     outer: R,
 ) -> Option<Box<dyn March<R>>> {
     match medium.as_hole() {
-        Some(medium) if stepper == StepperKind::Series => {
+        Some(hole) if stepper == StepperKind::Series => {
+            let medium = ReissnerNordstrom::of(hole);
             Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, outer }, tolerance }))
         }
         _ => with_stepper(stepper, Held { medium, control, outer }),
@@ -76,7 +77,7 @@ impl<R: Lane> UsePowers for HoleSeries<R> {
     type Output = Box<dyn March<R>>;
 
     fn with<const P: usize>(self) -> Box<dyn March<R>> {
-        let stepper = ArealSeries::<P>::new(&self.held.medium, self.tolerance);
+        let stepper = ArealSeries::<P>::new(&self.held.medium.hole(), self.tolerance);
         Box::new(Stepping::new(self.held, stepper))
     }
 }
