@@ -75,7 +75,7 @@ struct Expansion<R, const P: usize> {
     /// a and N.
     a: R,
     lapse: R,
-    /// Coefficients of û, less its harmonic part.
+    /// ArealCoefficients of û, less its harmonic part.
     rest: [R; P],
 }
 
@@ -165,7 +165,7 @@ impl<const P: usize> ArealSeries<P> {
         let (per_a, per_scale) = (one / a, one / (b + mass));
         let lapse = (one - hw) * (one + hw) * per_a;
         let omega = b * per_scale;
-        let mut series = Coefficients {
+        let mut series = ArealCoefficients {
             u: [R::of(0.0); P],
             square: [R::of(0.0); P],
             rest: [R::of(0.0); P],
@@ -208,7 +208,7 @@ impl<const P: usize> ArealSeries<P> {
 }
 
 /// The series while it is made.
-struct Coefficients<R, const P: usize> {
+struct ArealCoefficients<R, const P: usize> {
     u: [R; P],
     square: [R; P],
     rest: [R; P],
@@ -216,7 +216,7 @@ struct Coefficients<R, const P: usize> {
     e2: f64,
 }
 
-impl<R: Real, const P: usize> Coefficients<R, P> {
+impl<R: Real, const P: usize> ArealCoefficients<R, P> {
     /// The power n + 2.
     #[inline(always)]
     fn extend(&mut self, n: usize) {
