@@ -15,11 +15,11 @@
 //! w = aû/M,  dw/dû = n/M,  n = a/N.
 //! ```
 
-use super::stepper::OrbitStepper;
+use super::orbit_stepper::OrbitStepper;
 use super::{Control, Phase, Step, StepVerdict};
 use crate::math::fast_log2;
 use crate::math::real::Real;
-use crate::spacetime::{ConformallyFlat, ReissnerNordstrom};
+use crate::spacetime::{ConformallyFlat, StaticHole};
 
 /// Steps by series of `P` coefficients.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +75,7 @@ struct Expansion<R, const P: usize> {
     /// a and N.
     a: R,
     lapse: R,
-    /// Coefficients of û, less its harmonic part.
+    /// ArealCoefficients of û, less its harmonic part.
     rest: [R; P],
 }
 
@@ -135,12 +135,26 @@ fn square<R: Real, const P: usize>(a: &[R; P], n: usize) -> R {
 
 impl<const P: usize> ArealSeries<P> {
     /// Series around `hole`, for rays of a `tolerance` in radians.
-    pub fn new(hole: &ReissnerNordstrom, tolerance: f64) -> Self {
-        let (mass, h) = (hole.mass(), hole.horizon());
-        let root = 2.0 * h / mass;
+    pub fn new(hole: &StaticHole, tolerance: f64) -> Self {
+        let StaticHole { mass, charge } = *hole;
+        let root = ((1.0 - charge) * (1.0 + charge)).sqrt();
+        let h = 0.5 * mass * root;
         let tolerance = calibration(P) * tolerance.max(Control::<f64>::least_tolerance());
-        let e2 = hole.charge() * hole.charge();
+        let e2 = charge * charge;
         Self { mass, h, e2, outer: 1.0 + root, inner: e2 / (1.0 + root), tolerance }
+    }
+
+    /// A step outwards, and true if it ends at infinity.
+    #[inline(always)]
+    pub fn outwards<R: Real>(&self, b: R, start: Phase<R>) -> (Step<R>, bool) {
+        let expansion = self.expand(b, start);
+        let widest = (R::of(3.0) / b).at_most(R::of(1e30));
+        let longest = R::of(expansion.length(self, widest));
+        let root = expansion.infinity();
+        let reaches = (root <= longest) & (root > R::of(0.0));
+        let step = expansion.step(self, &expansion.along(if reaches { root } else { longest }));
+        let is_there = (step.end.w * R::of(self.mass)).abs() <= R::of(ROOTED * R::EPSILON) * expansion.u;
+        (step, reaches & is_there)
     }
 
     #[inline(always)]
@@ -151,7 +165,7 @@ impl<const P: usize> ArealSeries<P> {
         let (per_a, per_scale) = (one / a, one / (b + mass));
         let lapse = (one - hw) * (one + hw) * per_a;
         let omega = b * per_scale;
-        let mut series = Coefficients {
+        let mut series = ArealCoefficients {
             u: [R::of(0.0); P],
             square: [R::of(0.0); P],
             rest: [R::of(0.0); P],
@@ -194,7 +208,7 @@ impl<const P: usize> ArealSeries<P> {
 }
 
 /// The series while it is made.
-struct Coefficients<R, const P: usize> {
+struct ArealCoefficients<R, const P: usize> {
     u: [R; P],
     square: [R; P],
     rest: [R; P],
@@ -202,7 +216,7 @@ struct Coefficients<R, const P: usize> {
     e2: f64,
 }
 
-impl<R: Real, const P: usize> Coefficients<R, P> {
+impl<R: Real, const P: usize> ArealCoefficients<R, P> {
     /// The power n + 2.
     #[inline(always)]
     fn extend(&mut self, n: usize) {
@@ -392,18 +406,6 @@ impl<const P: usize> OrbitStepper for ArealSeries<P> {
         let expansion = self.expand(b, start);
         let x = R::of(expansion.length(self, h));
         expansion.step(self, &expansion.along(x))
-    }
-
-    #[inline(always)]
-    fn outwards<R: Real>(&self, b: R, start: Phase<R>) -> Option<(Step<R>, bool)> {
-        let expansion = self.expand(b, start);
-        let widest = (R::of(3.0) / b).at_most(R::of(1e30));
-        let longest = R::of(expansion.length(self, widest));
-        let root = expansion.infinity();
-        let reaches = (root <= longest) & (root > R::of(0.0));
-        let step = expansion.step(self, &expansion.along(if reaches { root } else { longest }));
-        let is_there = (step.end.w * R::of(self.mass)).abs() <= R::of(ROOTED * R::EPSILON) * expansion.u;
-        Some((step, reaches & is_there))
     }
 
     #[inline(always)]

@@ -5,9 +5,7 @@
 //!
 //! References: \[H\] Hairer, Nørsett, Wanner, "Solving Ordinary Differential Equations I", 2nd ed., II.1–II.5, II.14.
 
-use super::{Control, Phase, Step, StepVerdict};
 use crate::math::real::Real;
-use crate::spacetime::ConformallyFlat;
 
 /// The end of a step, by component.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,64 +47,6 @@ pub trait Stepper: Copy + Send + Sync {
         start: [[R; N]; 3],
         h: R,
     ) -> Trial<R, N>;
-}
-
-/// A way to follow orbits step by step: a [`Stepper`] of their equation, or a series.
-pub trait OrbitStepper: Copy + Send + Sync {
-    /// Order of the estimate that a first step is chosen for.
-    const ORDER: u32;
-
-    /// Step-size control, with the limits that these steps need.
-    fn control<R: Real>(&self, control: &Control<R>) -> Control<R>;
-
-    /// A step of length `h` in ξ, or a shorter one.
-    fn step<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
-
-    /// A step outwards, and true if it ends at infinity; `None` of steppers that do not tell how far that is.
-    fn outwards<R: Real>(&self, _b: R, _start: Phase<R>) -> Option<(Step<R>, bool)> {
-        None
-    }
-
-    /// The step of length `h` in ξ: a part of one, its dense output.
-    fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
-
-    /// Judges a step whose arc is off by `arc_error`, after one whose relative error was `previous`.
-    fn judge<R: Real>(
-        &self,
-        control: &Control<R>,
-        step: &Step<R>,
-        arc_error: R,
-        previous: R,
-    ) -> StepVerdict<R>;
-}
-
-impl<S: Stepper> OrbitStepper for S {
-    const ORDER: u32 = S::ESTIMATE.order;
-
-    fn control<R: Real>(&self, control: &Control<R>) -> Control<R> {
-        *control
-    }
-
-    #[inline(always)]
-    fn step<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
-        Step::new(medium, self, b, start, h)
-    }
-
-    #[inline(always)]
-    fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
-        Step::new(medium, self, b, start, h)
-    }
-
-    #[inline(always)]
-    fn judge<R: Real>(
-        &self,
-        control: &Control<R>,
-        step: &Step<R>,
-        arc_error: R,
-        previous: R,
-    ) -> StepVerdict<R> {
-        control.judge::<S>(step, arc_error, previous)
-    }
 }
 
 /// Coefficients of a Runge–Kutta method of `S` stages, the last of them at the end of the step \[H, II.1\].

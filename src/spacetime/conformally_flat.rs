@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::reissner_nordstrom::ReissnerNordstrom;
+use super::static_hole::StaticHole;
 use crate::math::real::Real;
 
 /// A static, spherically symmetric spacetime in isotropic coordinates centred on the origin.
@@ -30,7 +30,7 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
 
     /// The spacetime as that of a hole, charged or not, whose rays have a polynomial equation in the inverse areal radius;
     /// `None` of another.
-    fn as_hole(&self) -> Option<ReissnerNordstrom> {
+    fn as_hole(&self) -> Option<StaticHole> {
         None
     }
 

@@ -49,6 +49,7 @@ mod rest_frame;
 mod schwarzschild;
 mod several_holes;
 mod side;
+mod static_hole;
 
 pub use chart::{Chart, Fate};
 pub use conformally_flat::ConformallyFlat;
@@ -70,3 +71,4 @@ pub use rest_frame::{RestFrame, Stretch};
 pub use schwarzschild::Schwarzschild;
 pub use several_holes::{Hole, SeveralHoles};
 pub use side::{AtInfinity, Side};
+pub use static_hole::StaticHole;

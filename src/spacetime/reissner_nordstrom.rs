@@ -9,6 +9,7 @@
 use super::conformally_flat::ConformallyFlat;
 use super::named::Named;
 use super::parameter::{Parameter, Range, SCHWARZSCHILD_RADIUS};
+use super::static_hole::StaticHole;
 use crate::math::real::Real;
 
 /// A hole of mass M and charge Q at the origin, |Q| ≤ M; extremal with |Q| = M: its horizon is at ρ = 0.
@@ -28,14 +29,14 @@ impl ReissnerNordstrom {
         Self { mass, charge, h: 0.5 * mass * ((1.0 - charge) * (1.0 + charge)).sqrt() }
     }
 
-    /// Mass M.
-    pub(crate) fn mass(&self) -> f64 {
-        self.mass
+    /// The spacetime of a hole.
+    pub(crate) fn of(hole: StaticHole) -> Self {
+        Self::new(2.0 * hole.mass, hole.charge)
     }
 
-    /// Charge Q/M.
-    pub(crate) fn charge(&self) -> f64 {
-        self.charge
+    /// The hole.
+    pub(crate) fn hole(&self) -> StaticHole {
+        StaticHole { mass: self.mass, charge: self.charge }
     }
 
     /// Areal radius of the photon sphere, (3M + √(9M² − 8Q²))/2.
@@ -110,8 +111,8 @@ impl ConformallyFlat for ReissnerNordstrom {
         d / a
     }
 
-    fn as_hole(&self) -> Option<ReissnerNordstrom> {
-        Some(*self)
+    fn as_hole(&self) -> Option<StaticHole> {
+        Some(self.hole())
     }
 
     fn horizon(&self) -> f64 {

@@ -10,7 +10,7 @@ use glam::DVec3;
 use super::conformally_flat::ConformallyFlat;
 use super::named::Named;
 use super::parameter::{Parameter, SCHWARZSCHILD_RADIUS};
-use super::reissner_nordstrom::ReissnerNordstrom;
+use super::static_hole::StaticHole;
 use crate::math::real::Real;
 
 /// A hole of Schwarzschild radius `r_s` at the origin.
@@ -78,8 +78,8 @@ impl ConformallyFlat for Schwarzschild {
         (1.0 - u) / (1.0 + u)
     }
 
-    fn as_hole(&self) -> Option<ReissnerNordstrom> {
-        Some(ReissnerNordstrom::new(self.schwarzschild_radius(), 0.0))
+    fn as_hole(&self) -> Option<StaticHole> {
+        Some(StaticHole { mass: 2.0 * self.horizon, charge: 0.0 })
     }
 
     fn horizon(&self) -> f64 {

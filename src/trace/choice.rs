@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::arc_sweep::ArcSweep;
+use super::curved::departure::way_out;
 use super::curved::march::{March, march, march_by};
 use super::curved::worlds::{OneWorld, TwoWorlds};
 use super::curved::{Curved, Lane};
@@ -162,6 +163,7 @@ impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
     fn curved<R: Lane>(self, scene: &Baked, march: Box<dyn March<R>>) -> Curved<M, R, W> {
         let Self { medium, worlds, sky, chart, arc_tolerance } = self;
         let (tolerance, control) = (scene.settings.tolerance, march.control());
-        Curved { medium, march, worlds, sky, chart, control, tolerance, arc_tolerance }
+        let way_out = way_out(&medium, tolerance);
+        Curved { medium, march, worlds, way_out, sky, chart, control, tolerance, arc_tolerance }
     }
 }

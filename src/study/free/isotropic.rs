@@ -275,8 +275,8 @@ pub(super) fn curved<M: ConformallyFlat, A: Answer>(
         });
     }
     let launch = Launch::new(medium, x, ray.direction, epsilon);
-    if let Some(medium) = medium.as_hole().filter(|_| accuracy.stepper == StepperKind::Series) {
-        let orbit = Orbit { medium: &medium, center, x, ray, launch };
+    if let Some(hole) = medium.as_hole().filter(|_| accuracy.stepper == StepperKind::Series) {
+        let orbit = Orbit { medium: &ReissnerNordstrom::of(hole), center, x, ray, launch };
         return Ok(with_powers(accuracy.tolerance, Asked { orbit, accuracy, answer: PhantomData }));
     }
     let orbit = Orbit { medium, center, x, ray, launch };
@@ -303,7 +303,7 @@ impl<A: Answer> UsePowers for Asked<'_, ReissnerNordstrom, A> {
     type Output = A;
 
     fn with<const P: usize>(self) -> A {
-        let stepper = ArealSeries::<P>::new(self.orbit.medium, self.accuracy.tolerance);
+        let stepper = ArealSeries::<P>::new(&self.orbit.medium.hole(), self.accuracy.tolerance);
         self.orbit.answer(&stepper, self.accuracy)
     }
 }

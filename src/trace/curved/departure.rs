@@ -1,12 +1,16 @@
-//! Rays on their way to infinity, where nothing is in it.
+//! Rays on their way to infinity, where nothing is in it: around a hole by series, whatever the stepper of the march, as
+//! infinity is an ordinary root of them.
 
 use super::flight::{CurvedFlight, Lane};
-use crate::geodesic::Phase;
-use crate::math::columns::columns;
+use crate::geodesic::kerr::{UsePowers, with_powers};
+use crate::geodesic::{ArealSeries, Control, OrbitStepper, Phase};
+use crate::math::columns::{LANES, Row, columns};
+use crate::math::kernel::{Kernel, NOTHING, update};
+use crate::spacetime::{ConformallyFlat, ReissnerNordstrom, StaticHole};
 use crate::trace::flight_status::FlightStatus;
 
 /// Most steps to infinity, before a ray is followed there by itself.
-pub const MOST_STEPS: usize = 64;
+const MOST_STEPS: usize = 64;
 
 columns! {
     /// A ray on its way to infinity.
@@ -39,5 +43,95 @@ impl<R: Lane> Departure<R> {
     #[inline(always)]
     pub fn phase(&self) -> Phase<R> {
         Phase { w: self.w, v: self.v, pull: self.pull }
+    }
+}
+
+/// The way to infinity in a spacetime.
+pub trait WayOut<R: Lane>: Send + Sync {
+    /// Follows blocks of rays to infinity.
+    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]);
+
+    /// Follows a ray to infinity.
+    fn depart(&self, departure: Departure<R>) -> Departure<R>;
+}
+
+/// The way to infinity around `medium` to a `tolerance` in radians, if that is a hole.
+pub fn way_out<M: ConformallyFlat, R: Lane>(medium: &M, tolerance: f64) -> Option<Box<dyn WayOut<R>>> {
+    let hole = medium.as_hole()?;
+    let control = Control::new(&ReissnerNordstrom::of(hole), tolerance, f64::INFINITY);
+    Some(with_powers(tolerance, AroundHole { hole, control, tolerance }))
+}
+
+/// What series are made from.
+struct AroundHole<R> {
+    hole: StaticHole,
+    control: Control<R>,
+    tolerance: f64,
+}
+
+impl<R: Lane> UsePowers for AroundHole<R> {
+    type Output = Box<dyn WayOut<R>>;
+
+    fn with<const P: usize>(self) -> Box<dyn WayOut<R>> {
+        let series = ArealSeries::<P>::new(&self.hole, self.tolerance);
+        Box::new(Departing { series, control: series.control(&self.control) })
+    }
+}
+
+/// Steps to infinity.
+struct Departing<const P: usize, R> {
+    series: ArealSeries<P>,
+    control: Control<R>,
+}
+
+impl<const P: usize, R: Lane> Kernel for Departing<P, R> {
+    type A = Departure<R>;
+    type B = ();
+    type Out = Departure<R>;
+
+    #[inline(always)]
+    fn run(&self, ray: &Departure<R>, (): &()) -> Departure<R> {
+        let (step, arrives) = self.series.outwards(ray.b, ray.phase());
+        let accepted = self.series.judge(&self.control, &step, R::of(0.0), R::of(1.0)).accepted;
+        let zero = R::of(0.0);
+        let flies = accepted & (step.end.w > zero) & (step.end.v < zero);
+        let status = if flies { FlightStatus::Flies } else { FlightStatus::NonFinite };
+        let status = if arrives { FlightStatus::Leaves } else { status };
+        let moves = ray.status == FlightStatus::Flies;
+        let pick = |end: R, start: R| if moves { end } else { start };
+        let (sin, cos) = (step.sin.value(), step.cos.value());
+        let turned = |end: f64, start: f64| if moves { end } else { start };
+        Departure {
+            b: ray.b,
+            w: pick(step.end.w, ray.w),
+            v: pick(step.end.v, ray.v),
+            pull: pick(step.end.pull, ray.pull),
+            sin: turned(ray.sin * cos + ray.cos * sin, ray.sin),
+            cos: turned(ray.cos * cos - ray.sin * sin, ray.cos),
+            status: if moves { status } else { ray.status },
+        }
+    }
+}
+
+impl<const P: usize, R: Lane> WayOut<R> for Departing<P, R> {
+    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]) {
+        for block in departures.chunks_mut(1) {
+            for _ in 0..MOST_STEPS {
+                update(self, block, NOTHING);
+                if (0..LANES).all(|i| Departure::get(&block[0], i).status != FlightStatus::Flies) {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn depart(&self, mut departure: Departure<R>) -> Departure<R> {
+        for _ in 0..MOST_STEPS {
+            departure = self.run(&departure, &());
+            if departure.status != FlightStatus::Flies {
+                break;
+            }
+        }
+        departure
     }
 }

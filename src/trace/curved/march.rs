@@ -2,19 +2,17 @@
 //! that everything else is compiled once.
 
 use super::super::steppers::{UseStepper, with_stepper};
-use super::departure::{Departure, MOST_STEPS};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
 use crate::geodesic::kerr::{UsePowers, with_powers};
 use crate::geodesic::{
     ArealSeries, Control, OrbitEnd, OrbitStepper, Phase, StepVerdict, Stepper, fit_arc, follow, until,
 };
-use crate::math::columns::{LANES, Row};
-use crate::math::kernel::{Kernel, NOTHING, map, map_full, update};
+use crate::math::columns::Row;
+use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
 use crate::spacetime::{ConformallyFlat, Fate, ReissnerNordstrom};
-use crate::trace::flight_status::FlightStatus;
 use crate::trace::land_on_ray::{PartialStep, Pose};
 
 /// A stepper at work in a spacetime.
@@ -49,13 +47,7 @@ pub trait March<R: Lane>: Send + Sync {
     /// Length and end of the part of a ray's next step up to the inverse radius `w`, which the step passes.
     fn until(&self, flight: &CurvedFlight<R>, w: R) -> (R, Phase<R>);
 
-    /// Follows blocks of rays to infinity, unless the stepper does not tell how far that is.
-    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]);
-
-    /// Follows a ray as [`March::depart_all`] does.
-    fn depart(&self, departure: Departure<R>) -> Departure<R>;
-
-    /// Follows a ray to infinity, one that departs no further.
+    /// Follows a ray to infinity.
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R>;
 }
 
@@ -67,7 +59,8 @@ pub fn march<M: ConformallyFlat, R: Lane>(
     outer: R,
 ) -> Option<Box<dyn March<R>>> {
     match medium.as_hole() {
-        Some(medium) if stepper == StepperKind::Series => {
+        Some(hole) if stepper == StepperKind::Series => {
+            let medium = ReissnerNordstrom::of(hole);
             Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, outer }, tolerance }))
         }
         _ => with_stepper(stepper, Held { medium, control, outer }),
@@ -84,7 +77,7 @@ impl<R: Lane> UsePowers for HoleSeries<R> {
     type Output = Box<dyn March<R>>;
 
     fn with<const P: usize>(self) -> Box<dyn March<R>> {
-        let stepper = ArealSeries::<P>::new(&self.held.medium, self.tolerance);
+        let stepper = ArealSeries::<P>::new(&self.held.medium.hole(), self.tolerance);
         Box::new(Stepping::new(self.held, stepper))
     }
 }
@@ -169,41 +162,6 @@ impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Stepping<M, S, R> 
     }
 }
 
-/// Steps to infinity.
-struct Departing<'a, M, S, R>(&'a Stepping<M, S, R>);
-
-impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Departing<'_, M, S, R> {
-    type A = Departure<R>;
-    type B = ();
-    type Out = Departure<R>;
-
-    #[inline(always)]
-    fn run(&self, ray: &Departure<R>, (): &()) -> Departure<R> {
-        let Stepping { held: Held { control, .. }, stepper } = self.0;
-        let Some((step, arrives)) = stepper.outwards(ray.b, ray.phase()) else {
-            return Departure { status: FlightStatus::NonFinite, ..*ray };
-        };
-        let accepted = stepper.judge(control, &step, R::of(0.0), R::of(1.0)).accepted;
-        let zero = R::of(0.0);
-        let flies = accepted & (step.end.w > zero) & (step.end.v < zero);
-        let status = if flies { FlightStatus::Flies } else { FlightStatus::NonFinite };
-        let status = if arrives { FlightStatus::Leaves } else { status };
-        let moves = ray.status == FlightStatus::Flies;
-        let pick = |end: R, start: R| if moves { end } else { start };
-        let (sin, cos) = (step.sin.value(), step.cos.value());
-        let turned = |end: f64, start: f64| if moves { end } else { start };
-        Departure {
-            b: ray.b,
-            w: pick(step.end.w, ray.w),
-            v: pick(step.end.v, ray.v),
-            pull: pick(step.end.pull, ray.pull),
-            sin: turned(ray.sin * cos + ray.cos * sin, ray.sin),
-            cos: turned(ray.cos * cos - ray.sin * sin, ray.cos),
-            status: if moves { status } else { ray.status },
-        }
-    }
-}
-
 /// Parts of steps.
 struct Posing<'a, M, S, R>(&'a Stepping<M, S, R>);
 
@@ -257,27 +215,6 @@ impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> March<R> for Stepping<M, S, R
         let step = stepper.step(medium, flight.b, flight.phase(), flight.h);
         let part = until(medium, stepper, &step, w);
         (part.h, part.end)
-    }
-
-    fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]) {
-        for block in departures.chunks_mut(1) {
-            for _ in 0..MOST_STEPS {
-                update(&Departing(self), block, NOTHING);
-                if (0..LANES).all(|i| Departure::get(&block[0], i).status != FlightStatus::Flies) {
-                    break;
-                }
-            }
-        }
-    }
-
-    fn depart(&self, mut departure: Departure<R>) -> Departure<R> {
-        for _ in 0..MOST_STEPS {
-            departure = Departing(self).run(&departure, &());
-            if departure.status != FlightStatus::Flies {
-                break;
-            }
-        }
-        departure
     }
 
     fn to_infinity(&self, b: R, start: Phase<R>, fate: Fate) -> OrbitEnd<R> {

@@ -2,7 +2,7 @@
 
 mod commit_step;
 mod cross_throat;
-mod departure;
+pub mod departure;
 mod flight;
 mod launch;
 pub mod march;
@@ -39,7 +39,10 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
         match next.status {
             FlightStatus::Flies => Outcome::Flying(*next),
             FlightStatus::Leaves if !self.sky => self.escaped(next, next.direction()),
-            FlightStatus::Leaves => self.departed(next, &self.march.depart(Departure::of(next))),
+            FlightStatus::Leaves => match &self.way_out {
+                Some(way) => self.departed(next, &way.depart(Departure::of(next))),
+                None => self.direction_at_infinity(next),
+            },
             FlightStatus::Falls => Outcome::Captured,
             FlightStatus::StepLimit => Outcome::StepLimit,
             FlightStatus::NonFinite => Outcome::NonFinite,
@@ -228,7 +231,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
             // Few rays end without landing: what was found is seldom asked for.
             let status = flights.get(lane).status;
             if status != FlightStatus::Flies && found.is_none() {
-                if status == FlightStatus::Leaves && self.sky {
+                if status == FlightStatus::Leaves && self.sky && self.way_out.is_some() {
                     leaving.push(lane);
                 } else {
                     end(lane, self.outcome(&flights.get(lane)), ());
@@ -236,7 +239,9 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
             }
         }
         departures.gather(leaving.len(), |i| Departure::of(&flights.get(leaving[i])));
-        self.march.depart_all(departures.blocks_mut(leaving.len()));
+        if let Some(way) = &self.way_out {
+            way.depart_all(departures.blocks_mut(leaving.len()));
+        }
         for (i, &lane) in leaving.iter().enumerate() {
             end(lane, self.departed(&flights.get(lane), &departures.get(i)), ());
         }

@@ -1,5 +1,6 @@
 //! Curved rays of a spacetime: their tolerances, and the arcs that are searched along them.
 
+use super::departure::WayOut;
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::march::{March, keeps_outside};
 use super::worlds::Worlds;
@@ -17,6 +18,8 @@ pub struct Curved<M, R, W> {
     pub march: Box<dyn March<R>>,
     /// Worlds that they move in.
     pub worlds: W,
+    /// Way to infinity, if another than the march's is known.
+    pub way_out: Option<Box<dyn WayOut<R>>>,
     /// True if the directions of escaped rays at infinity matter; else rays are not followed there.
     pub sky: bool,
     /// Radii beyond which rays need not be followed.

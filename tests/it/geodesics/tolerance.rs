@@ -9,7 +9,7 @@ use crate::support::Random;
 use crate::support::orbits::{aimed, exact_sweep, fly, sensitivity_at_infinity, swept, with_every_stepper};
 use glam::DVec3;
 use rayon::prelude::*;
-use warpfront::geodesic::{ArealSeries, Dop853, Launch, OrbitStepper, Stepper};
+use warpfront::geodesic::{ArealSeries, Dop853, Launch, OrbitStepper, Phase, Stepper};
 use warpfront::math::real::Real;
 use warpfront::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
@@ -152,6 +152,39 @@ fn a_ray_by_series_is_off_by_its_tolerance_at_most() {
         check::<f64, _>("series 8", series::<8>, &[1e-2, 1e-3, 1e-4], &cases, 5e-15, ALWAYS);
         check::<f64, _>("series 10", series::<10>, &[1e-5, 1e-6, 1e-7], &cases, 5e-15, ALWAYS);
         check::<f64, _>("series 14", series::<14>, &[1e-8, 1e-9, 1e-10, 1e-11, 1e-12], &cases, 5e-15, ALWAYS);
+    }
+}
+
+/// The angle that a ray on its way out sweeps until infinity, in steps outwards.
+fn swept_outwards<const P: usize>(medium: &Schwarzschild, launch: &Launch, tolerance: f64) -> f64 {
+    let series = series::<P>(medium, tolerance);
+    let (b, mut phase, mut swept) = (launch.b, Phase::new(medium, launch.w, launch.v), 0.0);
+    for _ in 0..64 {
+        let (step, is_there) = series.outwards(b, phase);
+        (phase, swept) = (step.end, swept + step.sin.atan2(step.cos));
+        if is_there {
+            return swept;
+        }
+    }
+    panic!("{launch:?} does not reach infinity");
+}
+
+#[test]
+fn a_ray_that_leaves_by_series_is_off_by_its_tolerance_at_most() {
+    let leaves = |case: &Case| case.launch.v < 0.0 && case.launch.w * case.medium.photon_sphere() < 1.0;
+    let cases: Vec<Case> = cases(Aim::Anywhere, 10_000, f64::EPSILON).into_iter().filter(leaves).collect();
+    assert!(cases.len() > 2000, "hardly any");
+    for case in &cases {
+        let Case { medium, launch, exact, sens } = case;
+        for (tolerance, swept) in [
+            (1e-3, swept_outwards::<8>(medium, launch, 1e-3)),
+            (1e-5, swept_outwards::<10>(medium, launch, 1e-5)),
+            (1e-8, swept_outwards::<14>(medium, launch, 1e-8)),
+            (1e-10, swept_outwards::<14>(medium, launch, 1e-10)),
+        ] {
+            let share = (swept - exact).abs() / ((tolerance + 5e-15) * sens);
+            assert!(share < 1.0, "{launch:?} at {tolerance:e}: {share}");
+        }
     }
 }
 
