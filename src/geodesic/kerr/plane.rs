@@ -45,8 +45,6 @@ pub struct PlaneOrbit {
 pub struct PlaneOrbitEnd {
     /// Inverse radius: no larger than the horizon's much, nor below 0.
     pub u: f64,
-    /// Its derivative by the angle.
-    pub slope: f64,
     /// Winding about the axis on the way there, radians.
     pub winding: f64,
     /// Angle that is left where it left to infinity or fell, radians.
@@ -127,7 +125,7 @@ impl PlaneOrbit {
                 // The part of the step that is outside, by its chord.
                 let bound = if end.0 > u { hole.horizon } else { 0.0 };
                 let part = ((bound - u) / (end.0 - u)).clamp(0.0, 1.0);
-                return PlaneOrbitEnd { u: bound, slope: v / w, winding, left: left - part * h * w };
+                return PlaneOrbitEnd { u: bound, winding, left: left - part * h * w };
             }
             // Simpson's rule.
             let end_rate = rate(end.0, end.1);
@@ -138,7 +136,7 @@ impl PlaneOrbit {
                 break;
             }
         }
-        PlaneOrbitEnd { u, slope: v / w, winding, left: 0.0 }
+        PlaneOrbitEnd { u, winding, left: 0.0 }
     }
 }
 
