@@ -1,8 +1,8 @@
 //! Arcs through a point of a curve, with an error that is measured at others: where points of the curve are cheap.
 //!
-//! As in [`fit_space_arc`](super::fit_space_arc) a conic takes both ends and both tangents, and its middle control point
-//! lies halfway between where these pass each other; but the weight takes it through the point about halfway. What is
-//! left of the error has two lobes, and a point of the curve under each tells it.
+//! As in [`fit_space_arc`](super::fit_space_arc) a conic takes both ends and both tangents, and its middle control
+//! point lies halfway between where these pass each other; but the weight takes it through the point about halfway.
+//! What is left of the error has two lobes, and a point of the curve under each tells it.
 
 use glam::DVec3;
 
@@ -37,7 +37,8 @@ pub(crate) fn fit_sampled_arc(
     let fitted = 0.5 * y / (z * x).sqrt();
     let is_beside = (meeting.middle > 0.0) & (meeting.middle < 1.0);
     let is_fitted = meets & is_beside & (fitted > LEAST_WEIGHT) & (fitted < 1.0 / LEAST_WEIGHT);
-    // Else the parabola through the point halfway. Both are computed and one is chosen, so that lanes can run side by side.
+    // Else the parabola through the point halfway: both are computed and one is chosen, so that lanes can run side by
+    // side.
     let level = 2.0 * halfway - 0.5 * chord;
     let pick = |a: f64, b: f64| if is_fitted { a } else { b };
     let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
