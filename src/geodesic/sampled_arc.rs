@@ -1,13 +1,16 @@
 //! Arcs through a point of a curve, with an error that is measured at others: where points of the curve are cheap.
 //!
-//! As in [`fit_space_arc`](super::fit_space_arc) a conic takes both ends and both tangents, and its middle control point
-//! lies halfway between where these pass each other; but the weight takes it through the point about halfway. What is
-//! left of the error has two lobes, and a point of the curve under each tells it.
+//! As in [`fit_space_arc`](super::fit_space_arc) a conic takes both ends and both tangents, and its middle control
+//! point lies halfway between where these pass each other; but the weight takes it through the point about halfway.
+//! What is left of the error has two lobes, and a point of the curve under each tells it.
 
 use glam::DVec3;
 
 use super::SpaceArc;
 use super::space_arc::SMALL_TURN;
+
+/// Least weight of a conic, and inverse of the largest: others are of tangents that meet by rounding.
+const LEAST_WEIGHT: f64 = 1e-2;
 
 /// The arc that stands in for the step along `chord` of a curve that goes through points at about a fifth, a half and
 /// four fifths of the way, given its tangents at the start and at the end, of any length.
@@ -28,17 +31,19 @@ pub(crate) fn fit_sampled_arc(
     let is_bent = across2 > SMALL_TURN * SMALL_TURN * (d0.length_squared() * d1.length_squared());
     let meets = is_bent & (ahead > 0.0) & (behind > 0.0);
     let met = 0.5 * (ahead * d0 + chord - behind * d1);
-    // The parabola through the point halfway.
-    let level = 2.0 * halfway - 0.5 * chord;
-    // Both are computed and one is chosen, so that lanes can run side by side.
-    let pick = |a: f64, b: f64| if meets { a } else { b };
-    let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
-    let axes = Axes::new(chord, middle);
     // Points of the conic have y² = 4 w² z x.
-    let [z, y, x] = axes.shares(halfway);
+    let meeting = Axes::new(chord, met);
+    let [z, y, x] = meeting.shares(halfway);
     let fitted = 0.5 * y / (z * x).sqrt();
-    let is_fitted = meets & (fitted > 0.0) & (fitted < f64::INFINITY);
-    let weight = if is_fitted { fitted } else { 1.0 };
+    let is_beside = (meeting.middle > 0.0) & (meeting.middle < 1.0);
+    let is_fitted = meets & is_beside & (fitted > LEAST_WEIGHT) & (fitted < 1.0 / LEAST_WEIGHT);
+    // Else the parabola through the point halfway: both are computed and one is chosen, so that lanes can run side by
+    // side.
+    let level = 2.0 * halfway - 0.5 * chord;
+    let pick = |a: f64, b: f64| if is_fitted { a } else { b };
+    let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
+    let weight = pick(fitted, 1.0);
+    let axes = Axes::new(chord, middle);
     let four_weight2 = 4.0 * weight * weight;
     let (at_early, at_late) = (axes.distance2(four_weight2, early), axes.distance2(four_weight2, late));
     let beside = if at_early > at_late { at_early } else { at_late };
@@ -74,10 +79,17 @@ impl Axes {
         point.dot(self.chord) * self.per_chord2
     }
 
+    /// What a point is off the chord.
+    #[inline(always)]
+    fn aside(&self, point: DVec3) -> DVec3 {
+        point - self.along(point) * self.chord
+    }
+
     /// Shares of start, middle and end in a point.
     #[inline(always)]
     fn shares(&self, point: DVec3) -> [f64; 3] {
-        let y = point.dot(self.bow) * self.per_bow2;
+        // Without what is along the chord: beside that of a nearly straight arc, the bow is rounding.
+        let y = self.aside(point).dot(self.bow) * self.per_bow2;
         let x = self.along(point) - y * self.middle;
         [1.0 - x - y, y, x]
     }
@@ -89,7 +101,7 @@ impl Axes {
         let excess = y * y - four_weight2 * (z * x);
         let slope = 2.0 * y + four_weight2 * ((1.0 - self.middle) * x + self.middle * z);
         let on_conic = y - excess / slope;
-        (point - self.along(point) * self.chord - on_conic * self.bow).length_squared()
+        (self.aside(point) - on_conic * self.bow).length_squared()
     }
 }
 

@@ -111,8 +111,8 @@ pub fn keeps_outside(outer: f64, start: &MinoState, end: &MinoState) -> bool {
 
 /// Displacement after about a `part` of the way of a step of length `h`.
 ///
-/// Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and its arc
-/// is off, near its start: between both.
+/// Parts of the way are other parts of λ: on a straight radius u is linear. On a long way out the ray is bent, and its
+/// arc is off, near its start: between both.
 #[inline(always)]
 fn on_the_way<const P: usize>(
     hole: &UnitHole,
@@ -194,8 +194,8 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
     }
 }
 
-/// Parts of steps: as they are, or `BESIDE` the points of their spans, by a step of Newton's method, which costs less than
-/// to make the series again.
+/// Parts of steps: as they are, or `BESIDE` the points of their spans, by a step of Newton's method, which costs less
+/// than to make the series again.
 struct SpinningPoses<'a, const P: usize, const BESIDE: bool>(&'a SpinningSteps<P>);
 
 impl<const P: usize, const BESIDE: bool> Kernel for SpinningPoses<'_, P, BESIDE> {
