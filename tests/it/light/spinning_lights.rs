@@ -125,7 +125,7 @@ fn stage(lamp: &str, files: &[(&str, &str)]) -> Baked {
 /// its faces, and the mean of its cross-sections at rest.
 fn ball(place: DVec3, radius: f64, scene: &Baked) -> (String, f64) {
     let (mut corners, mut faces) = (Vec::new(), Vec::new());
-    let (rows, columns) = (4, 8);
+    let (rows, columns) = (8, 16);
     for row in 0..=rows {
         for column in 0..columns {
             let (polar, azimuth) = (PI * row as f64 / rows as f64, 2.0 * PI * column as f64 / columns as f64);
