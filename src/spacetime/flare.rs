@@ -103,7 +103,7 @@ impl Flare {
     }
 }
 
-/// y of the last polynomial's middle, about; a power of two.
+/// y within the last polynomial; a number of f32, too.
 const LAST: f64 = f64::from_bits(((OCTAVES as u64 + 1022) << 52) | (0b11 << 50));
 /// Number of the first polynomial among all that bits can tell.
 const FIRST: usize = 1023 << PART_BITS;
