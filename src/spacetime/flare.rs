@@ -12,6 +12,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+use std::fmt;
 use std::sync::Mutex;
 
 use crate::math::quadrature::gauss_legendre;
@@ -33,7 +34,6 @@ const LARGEST_ARSINH: f64 = 711.0;
 const SHAPES: (f64, f64) = (1e-4, 100.0);
 
 /// Table of a shape.
-#[derive(Debug)]
 pub(super) struct Flare {
     /// μ.
     shape: f64,
@@ -41,18 +41,24 @@ pub(super) struct Flare {
     pub(super) index_at_mouth: f64,
     /// c.
     scale: f64,
-    pieces: Box<[Piece; PIECES]>,
+    pieces: Box<[FlarePiece; PIECES]>,
 }
 
 /// Polynomials in (y − middle) · per_half.
 #[derive(Clone, Copy, Debug, Default)]
-struct Piece {
+struct FlarePiece {
     middle: f64,
     per_half: f64,
     /// Coefficients of (n − 1)/Mw, by power.
     excess: [f64; TERMS],
     /// Coefficients of g/M.
     pull: [f64; TERMS],
+}
+
+impl fmt::Debug for Flare {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Flare").field("shape", &self.shape).finish_non_exhaustive()
+    }
 }
 
 impl PartialEq for Flare {
@@ -88,7 +94,7 @@ impl Flare {
 
     /// Polynomials for an inverse radius, and their variable there.
     #[inline(always)]
-    fn place<R: Real>(&self, mouth: f64, w: R) -> (&Piece, R) {
+    fn place<R: Real>(&self, mouth: f64, w: R) -> (&FlarePiece, R) {
         let y = R::of(1.0) + R::of(self.scale) * ((R::of(1.0 / mouth) - w) / w);
         let y = y.at_most(R::of(LAST)).at_least(R::of(1.0));
         let octave_part = y.value().to_bits() >> (f64::MANTISSA_DIGITS - 1 - PART_BITS);
@@ -97,7 +103,7 @@ impl Flare {
     }
 }
 
-/// y of the last polynomial's middle, about; a power of two.
+/// y within the last polynomial; a number of f32, too.
 const LAST: f64 = f64::from_bits(((OCTAVES as u64 + 1022) << 52) | (0b11 << 50));
 /// Number of the first polynomial among all that bits can tell.
 const FIRST: usize = 1023 << PART_BITS;
@@ -125,7 +131,7 @@ fn rise(x: f64) -> f64 {
 
 /// Places on the way outwards.
 #[derive(Clone, Copy)]
-struct Node {
+struct FlareNode {
     y: f64,
     /// ρ/ρ_mouth.
     stretch: f64,
@@ -136,16 +142,16 @@ impl Flare {
     fn new(shape: f64) -> Self {
         let scale = 1.0 / (FRAC_PI_2 * shape).min(1.0);
         let mut flare =
-            Self { shape, index_at_mouth: 1.0, scale, pieces: Box::new([Piece::default(); PIECES]) };
+            Self { shape, index_at_mouth: 1.0, scale, pieces: Box::new([FlarePiece::default(); PIECES]) };
         let rule = gauss_legendre(8);
         // Chebyshev points of all polynomials, in order.
-        let mut nodes = vec![Node { y: 1.0, stretch: 1.0, x: 0.0 }];
+        let mut nodes = vec![FlareNode { y: 1.0, stretch: 1.0, x: 0.0 }];
         let cosine = |k: usize| -libm::cos(PI * (k as f64 + 0.5) / TERMS as f64);
         let mut used = 0;
         while used < PIECES && nodes[nodes.len() - 1].x < FARTHEST {
             let [low, high] = [used, used + 1].map(|i| f64::from_bits(((FIRST + i) as u64) << 50));
             let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-            flare.pieces[used] = Piece { middle, per_half: 1.0 / half, ..Piece::default() };
+            flare.pieces[used] = FlarePiece { middle, per_half: 1.0 / half, ..FlarePiece::default() };
             for k in 0..TERMS {
                 let y = middle + half * cosine(k);
                 let next = flare.next(&rule, nodes[nodes.len() - 1], y);
@@ -172,7 +178,7 @@ impl Flare {
                 n * n * rho(k) * FRAC_2_PI * libm::atan2(1.0, nodes[node(k)].x) / shape
             }));
         }
-        let mut last = Piece::default();
+        let mut last = FlarePiece::default();
         (last.excess[0], last.pull[0]) = (1.0, 1.0);
         flare.pieces[used..].fill(last);
         flare.pieces[PIECES - 1] = last;
@@ -185,7 +191,7 @@ impl Flare {
     }
 
     /// The next place on the way outwards, at `y`.
-    fn next(&self, rule: &[(f64, f64)], before: Node, y: f64) -> Node {
+    fn next(&self, rule: &[(f64, f64)], before: FlareNode, y: f64) -> FlareNode {
         let stretch = 1.0 + (y - 1.0) / self.scale;
         let wanted = libm::log1p((y - before.y) / (self.scale * before.stretch));
         let slope = |x: f64| FRAC_PI_2 * self.shape / self.areal(x);
@@ -198,7 +204,7 @@ impl Flare {
                 break;
             }
         }
-        Node { y, stretch, x }
+        FlareNode { y, stretch, x }
     }
 
     /// ln(ρ/ρ_mouth).
