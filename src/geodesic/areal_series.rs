@@ -75,7 +75,7 @@ struct Expansion<R, const P: usize> {
     /// a and N.
     a: R,
     lapse: R,
-    /// ArealCoefficients of û, less its harmonic part.
+    /// Coefficients of û, less its harmonic part.
     rest: [R; P],
 }
 
