@@ -40,7 +40,7 @@ fn flights<R: Lane>(order: u32) -> Vec<CurvedFlight<R>> {
 fn advance<R: Lane>(bencher: Bencher, stepper: StepperKind) {
     let medium = Schwarzschild::new(HOLE);
     let control = Control::<R>::new(&medium, TOLERANCES.0, TOLERANCES.1);
-    let march = march(medium, stepper, control, R::of(0.0)).expect("a stepper of orbits");
+    let march = march(medium, (stepper, TOLERANCES.0), control, R::of(0.0)).expect("a stepper of orbits");
     let rays = flights::<R>(march.order());
     let waves: Vec<Columns<CurvedFlight<R>>> = (rays.chunks(WAVE))
         .map(|rays| {

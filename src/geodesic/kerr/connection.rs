@@ -74,7 +74,7 @@ const BEHIND: f64 = 0.05;
 const MAX_PLANES: usize = 4;
 
 /// A ray that is tried.
-struct Trial {
+struct KerrTrial {
     direction: DVec3,
     changes: [DVec3; 2],
     lambda: f64,
@@ -103,7 +103,7 @@ impl KerrConnector<'_> {
     /// All rays that are found from the aims of both windings and from this number of azimuths around the hole, those that
     /// go around more than once among them.
     pub fn all(&self, azimuths: u32) -> Vec<KerrConnection> {
-        let mut found: Vec<Trial> = Vec::new();
+        let mut found: Vec<KerrTrial> = Vec::new();
         let (first, second) = tangents(self.from.n);
         let aims = (0..2).filter_map(|winding| Some(self.from.aim(self.hole, self.to, winding)?.shot));
         let around = (0..azimuths).filter_map(|i| {
@@ -142,19 +142,28 @@ impl KerrConnector<'_> {
         libm::hypot(1.0 / self.from.r, 1.0 / self.to.r)
     }
 
-    fn attempt(&self, direction: DVec3, lambda: f64) -> Option<Trial> {
+    fn attempt(&self, direction: DVec3, lambda: f64) -> Option<KerrTrial> {
         let changes = <[DVec3; 2]>::from(tangents(direction));
         let start = FlowStart::new(self.hole, self.from, direction, changes);
         let end = start.after(self.hole, lambda, self.tolerance)?;
         let rise = (end.state.u - 1.0 / self.to.r) / self.scale();
         let miss = end.state.n - self.to.n;
         let residual = (rise * rise + miss.length_squared()).sqrt();
-        residual.is_finite().then_some(Trial { direction, changes, lambda, start, end, rise, miss, residual })
+        residual.is_finite().then_some(KerrTrial {
+            direction,
+            changes,
+            lambda,
+            start,
+            end,
+            rise,
+            miss,
+            residual,
+        })
     }
 
     /// Newton's step from a trial: changes of the direction and of λ.
-    fn step(&self, trial: &Trial) -> Option<(DVec3, f64)> {
-        let Trial { changes, start, end, rise, miss, .. } = trial;
+    fn step(&self, trial: &KerrTrial) -> Option<(DVec3, f64)> {
+        let KerrTrial { changes, start, end, rise, miss, .. } = trial;
         let (first, second) = tangents(self.to.n);
         let row = |u: f64, n: DVec3| DVec3::new(u / self.scale(), n.dot(first), n.dot(second));
         let [by_first, by_second] = [0, 1].map(|i| row(end.u_slopes[i], end.n_slopes[i]));
@@ -171,7 +180,7 @@ impl KerrConnector<'_> {
     }
 
     /// Newton's method from an aim.
-    fn find(&self, shot: &PlaneShot) -> Option<Trial> {
+    fn find(&self, shot: &PlaneShot) -> Option<KerrTrial> {
         let start = KerrLaunch::at_rest(
             self.hole,
             self.hole.position(1.0 / self.from.r, self.from.n),
@@ -181,7 +190,7 @@ impl KerrConnector<'_> {
     }
 
     /// Newton's method, damped, from a direction and a length in λ.
-    fn newton(&self, direction: DVec3, lambda: f64) -> Option<Trial> {
+    fn newton(&self, direction: DVec3, lambda: f64) -> Option<KerrTrial> {
         let mut trial = self.attempt(direction, lambda)?;
         for _ in 0..MAX_STEPS {
             if trial.residual < self.tolerance {
@@ -209,9 +218,9 @@ impl KerrConnector<'_> {
         (trial.end.is_real && trial.residual < self.tolerance.max(ROUNDING)).then_some(trial)
     }
 
-    fn connection(&self, trial: &Trial) -> KerrConnection {
+    fn connection(&self, trial: &KerrTrial) -> KerrConnection {
         let Self { hole, to, .. } = self;
-        let Trial { direction, lambda, start, end, .. } = trial;
+        let KerrTrial { direction, lambda, start, end, .. } = trial;
         let (constants, state) = (start.constants(), &end.state);
         let momenta = [start.state().momentum(hole, constants), state.momentum(hole, constants)];
         let is_infinite = to.r == f64::INFINITY;
