@@ -78,7 +78,7 @@ impl Flare {
         tables.entry(shape.to_bits()).or_insert_with(|| Box::leak(Box::new(Self::new(shape))))
     }
 
-    /// (n − 1)/Mw at the inverse radius `w` of at most that of the `mouth`.
+    /// (n − 1)/Mw at the inverse radius `w` of at most that of the `mouth`, which may be below 0.
     #[inline(always)]
     pub(super) fn excess<R: Real>(&self, mouth: f64, w: R) -> R {
         let (piece, t) = self.place(mouth, w);
@@ -96,6 +96,8 @@ impl Flare {
     #[inline(always)]
     fn place<R: Real>(&self, mouth: f64, w: R) -> (&FlarePiece, R) {
         let y = R::of(1.0) + R::of(self.scale) * ((R::of(1.0 / mouth) - w) / w);
+        // Steps to infinity end beyond it: the index goes on there as it comes.
+        let y = if w > R::of(0.0) { y } else { R::of(LAST) };
         let y = y.at_most(R::of(LAST)).at_least(R::of(1.0));
         let octave_part = y.value().to_bits() >> (f64::MANTISSA_DIGITS - 1 - PART_BITS);
         let piece = &self.pieces[(octave_part as usize).wrapping_sub(FIRST).min(PIECES - 1)];

@@ -13,7 +13,7 @@ use super::halt::Halt;
 use super::illumination::{Illumination, LightSummary};
 use super::job::Job;
 use super::learn::lamp_edges::LampEdges;
-use super::learn::{lessons, photons, visible_caps};
+use super::learn::{Lesson, photons, visible_caps};
 use super::run::{Run, Threads};
 use super::samples::Samples;
 use super::split::short_paths;
@@ -194,11 +194,10 @@ fn learn<T: Transport>(job: &mut Job, transport: &T, samples: u32) -> f64 {
     let pixels = job.settings.width * job.settings.height;
     let first = started.elapsed().as_secs_f64();
     let (mut looking, mut sending) = (0.0, 0.0);
-    for lesson in lessons(samples) {
+    for Lesson { looks, photons } in Lesson::all(pixels, samples) {
         let started = Instant::now();
-        visible_caps::learn(job, transport, &mut illumination, lesson);
+        visible_caps::learn(job, transport, &mut illumination, looks);
         looking += started.elapsed().as_secs_f64();
-        let photons = photons::count(pixels, lesson);
         let (started, sent) = (Instant::now(), photons.min(PHOTONS));
         photons::learn(job, transport, &mut illumination, sent);
         sending += started.elapsed().as_secs_f64() * f64::from(photons) / f64::from(sent);

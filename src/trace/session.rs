@@ -211,7 +211,7 @@ impl<'a> TransportVisitor for Opening<'a> {
         let illumination = Illumination::of(self.scene, &transport);
         let job = Job { illumination, ..Job::new(self.scene, settings, self.halt) };
         let workers = Workers::new(settings.schedule, self.run.batch);
-        Box::new(Tracing { job, transport, workers, lesson: 0 })
+        Box::new(Tracing { job, transport, workers, lesson: None })
     }
 }
 

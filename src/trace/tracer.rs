@@ -2,7 +2,7 @@
 
 use super::halt::Halt;
 use super::job::Job;
-use super::learn::{learn_lights, lessons};
+use super::learn::{Lesson, learn_lights};
 use super::samples::Samples;
 use super::stats::{Counters, StageTimes};
 use super::transport::Transport;
@@ -12,7 +12,7 @@ use crate::film::Wanted;
 
 /// Takes samples, on the thread that asks.
 pub trait Tracer: Send + Sync {
-    /// Learns of the lights what passes up to so many samples are worth, see [`lessons`], unless it is known.
+    /// Learns of the lights what passes up to so many samples are worth, see [`Lesson`], unless it is known.
     fn learn(&mut self, samples: u32);
 
     /// The samples of `work`; `None` if it had to give up.
@@ -30,16 +30,16 @@ pub struct Tracing<'a, T: Transport> {
     pub job: Job<'a>,
     pub transport: T,
     pub workers: Workers<T>,
-    /// The last lesson that was learned; 0 before the first.
-    pub lesson: u32,
+    /// The last lesson that was learned.
+    pub lesson: Option<Lesson>,
 }
 
 impl<T: Transport> Tracer for Tracing<'_, T> {
     fn learn(&mut self, samples: u32) {
-        let lesson = lessons(samples).last().unwrap_or(0);
-        if lesson != self.lesson {
+        let lesson = Lesson::of(self.job.settings.width * self.job.settings.height, samples);
+        if self.lesson != Some(lesson) {
             learn_lights(&mut self.job, &self.transport, lesson);
-            self.lesson = lesson;
+            self.lesson = Some(lesson);
         }
     }
 

@@ -42,10 +42,6 @@ impl Lengths {
                 })?;
             }
         }
-        let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
-        match spacetime.entry().conflict(&values) {
-            Some((cause, remedy)) => Err(InputError { input: Input::Spacetime, cause, remedy }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 }

@@ -70,7 +70,6 @@ impl PhotonRay {
             });
         }
         let lengths = Lengths::of(accuracy.precision);
-        lengths.check_parameters(spacetime)?;
         let kerr_newman = spinning_hole(spacetime)?;
         let mass = kerr_newman.mass();
         let hole = UnitHole::new(kerr_newman.spin(), kerr_newman.charge());
@@ -187,6 +186,7 @@ impl PhotonRay {
 
 /// The hole of a spinning spacetime whose parameters may be together.
 pub(in crate::study) fn spinning_hole(spacetime: &SpacetimeKind) -> Result<KerrNewman, InputError> {
+    Lengths::of(Precision::F64).check_parameters(spacetime)?;
     let SpacetimeKind::Spinning { hole, .. } = spacetime else {
         return Err(InputError {
             input: Input::Parameter("rs"),

@@ -74,9 +74,9 @@ impl ThroatRay {
         let [x, y, z, l0, nx, ny, nz, r_out, l, centers @ ..] = &cells.optional[..] else {
             return Err(incomplete(&SPHERE, "the row has no sphere", "give it a radius"));
         };
-        let start = match ([x, y, z], [l0, nx, ny, nz]) {
-            ([Some(x), Some(y), Some(z)], [None, None, None, None]) => DVec3::new(*x, *y, *z),
-            ([None, None, None], [Some(l0), Some(x), Some(y), Some(z)]) => {
+        let start = match ([x, y, z], [nx, ny, nz], l0) {
+            ([Some(x), Some(y), Some(z)], [None, None, None], _) => DVec3::new(*x, *y, *z),
+            ([None, None, None], [Some(x), Some(y), Some(z)], Some(l0)) => {
                 let radial = DVec3::new(*x, *y, *z).try_normalize().ok_or_else(|| {
                     incomplete(&PROPER_START, "the direction from the centre is 0", "give its direction")
                 })?;
@@ -122,6 +122,12 @@ impl ThroatRay {
         spacetime: &SpacetimeKind,
         accuracy: &Accuracy,
     ) -> Result<(WayThrough, A), InputError> {
+        let lengths = Lengths::of(accuracy.precision);
+        lengths.check_parameters(spacetime)?;
+        let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
+        if let Some((cause, remedy)) = spacetime.entry().conflict(&values) {
+            return Err(InputError { input: Input::Spacetime, cause, remedy });
+        }
         let throat = throat(spacetime);
         let x = self.start - self.mouths.map_or(DVec3::ZERO, |mouths| mouths.near);
         let is_far = self.mouths.is_none() && x.length() < throat;
@@ -131,11 +137,9 @@ impl ThroatRay {
             (Side::Near, (x, self.direction))
         };
         let ray = FreeRay { start: x, direction, r_out: self.radius(spacetime) };
-        let lengths = Lengths::of(accuracy.precision);
         lengths.check(Input::Columns(&DIRECTION), "the length of the direction", direction.length())?;
         lengths.check(Input::Columns(&SPHERE), "the radius of the sphere", ray.r_out)?;
         lengths.check(Input::Columns(&START), "the distance of the start from the centre", x.length())?;
-        lengths.check_parameters(spacetime)?;
         if x.length() < throat * (1.0 - 4.0 * f64::EPSILON) {
             return Err(incomplete(
                 &START,

@@ -12,22 +12,52 @@ pub mod visible_caps;
 use super::job::Job;
 use super::transport::Transport;
 
-/// Samples per pixel from which on the lights are learned of as well as such a picture is worth.
-const LESSONS: [u32; 4] = [1, 4, 16, 32];
-
-/// Lessons of a picture of up to `samples` per pixel, each by the samples per pixel that it is worth: the first is for
-/// the first sample.
-pub fn lessons(samples: u32) -> impl Iterator<Item = u32> {
-    LESSONS.into_iter().filter(move |&lesson| lesson <= samples.max(1))
+/// Rays from which is learned of the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lesson {
+    /// Camera paths that look for the visible parts of lamps.
+    pub looks: usize,
+    /// Photons.
+    pub photons: u32,
 }
 
-/// Learns `lesson`: which parts of the lamps can be seen, and where their light comes from through mirrors and glass.
+/// Camera paths for each path that looks around, and for each photon.
+const PATHS: [usize; 2] = [64, 4];
+/// Most paths that look around.
+const MOST_LOOKS: usize = 4096;
+/// Most photons for each pixel, in any case in pictures of few pixels, and in all.
+const PER_PIXEL: usize = 8;
+const IN_ANY_CASE: usize = 1 << 14;
+const MOST_PHOTONS: usize = 1 << 19;
+
+impl Lesson {
+    /// The lesson that a picture of so many pixels, and samples of each, is worth. More samples are worth another one only
+    /// if they are four times as many.
+    pub fn of(pixels: usize, samples: u32) -> Self {
+        let fours = samples.max(1).ilog2() / 2;
+        let paths = pixels.saturating_mul(1 << (2 * fours));
+        let most = pixels.saturating_mul(PER_PIXEL).clamp(IN_ANY_CASE, MOST_PHOTONS);
+        Self {
+            looks: (paths / PATHS[0]).clamp(1, MOST_LOOKS),
+            photons: (paths / PATHS[1]).clamp(1, most) as u32,
+        }
+    }
+
+    /// All lessons of a picture of so many pixels, and samples of each.
+    pub fn all(pixels: usize, samples: u32) -> Vec<Self> {
+        let numbers = (0..16).map(|fours| 1 << (2 * fours)).take_while(|&number| number <= samples.max(1));
+        let mut lessons: Vec<Self> = numbers.map(|number| Self::of(pixels, number)).collect();
+        lessons.dedup();
+        lessons
+    }
+}
+
+/// Learns a lesson: which parts of the lamps can be seen, and where their light comes from through mirrors and glass.
 /// Nothing of it depends on what was learned before; not worth anything once the job's halt is due.
-pub fn learn_lights<T: Transport>(job: &mut Job, transport: &T, lesson: u32) {
+pub fn learn_lights<T: Transport>(job: &mut Job, transport: &T, lesson: Lesson) {
     let Some(mut illumination) = job.illumination.take() else { return };
-    let pixels = job.settings.width * job.settings.height;
-    visible_caps::learn(job, transport, &mut illumination, lesson);
-    photons::learn(job, transport, &mut illumination, photons::count(pixels, lesson));
+    visible_caps::learn(job, transport, &mut illumination, lesson.looks);
+    photons::learn(job, transport, &mut illumination, lesson.photons);
     job.illumination = Some(illumination);
 }
 
@@ -37,8 +67,26 @@ mod tests {
 
     #[test]
     fn every_picture_has_a_first_lesson_and_better_ones_a_few_more() {
-        let count = |samples| lessons(samples).collect::<Vec<_>>();
-        assert_eq!([count(0), count(1), count(8)], [vec![1], vec![1], vec![1, 4]]);
-        assert_eq!(count(64), LESSONS);
+        assert_eq!(Lesson::all(10_000, 0).len(), 1);
+        assert_eq!(Lesson::all(10_000, 3), [Lesson { looks: 156, photons: 2500 }]);
+        let all = Lesson::all(10_000, u32::MAX);
+        assert_eq!(all.len(), 4, "{all:?}");
+        assert_eq!(all[3], Lesson { looks: MOST_LOOKS, photons: 80_000 });
+        assert_eq!(Lesson::all(100, 1 << 20).last().unwrap().photons, IN_ANY_CASE as u32);
+        assert_eq!(Lesson::of(10_000, 17), Lesson::of(10_000, 63));
+    }
+
+    #[test]
+    fn lessons_take_few_rays_of_a_picture() {
+        for pixels in [1usize, 500, 20_000, 4_000_000] {
+            for samples in [1u32, 2, 7, 64, 1000] {
+                let rays: usize = Lesson::all(pixels, samples)
+                    .iter()
+                    .map(|lesson| lesson.looks + lesson.photons as usize)
+                    .sum();
+                let paths = pixels * samples as usize;
+                assert!(rays <= paths / 2 + 8, "{rays} rays of {paths} paths");
+            }
+        }
     }
 }

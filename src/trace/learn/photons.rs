@@ -15,18 +15,10 @@ use crate::scene::Baked;
 use crate::shade::{self, Key, Media, Sampler};
 use crate::spacetime::Side;
 
-/// Camera paths for each photon, and the most photons in all.
-const PATHS: usize = 4;
-const MOST: usize = 1 << 19;
 /// Most mirrors and glass surfaces on the way of a photon.
 const MOST_HOPS: u32 = 8;
 /// Photons that are followed together.
 const TOGETHER: u32 = 1024;
-
-/// Number of photons that a picture of so many pixels, and samples of each, is worth.
-pub fn count(pixels: usize, samples: u32) -> u32 {
-    (pixels.saturating_mul(samples as usize) / PATHS).clamp(1, MOST) as u32
-}
 
 /// Learns from `count` photons where light comes from through mirrors and glass; not worth anything once the job's halt
 /// is due.

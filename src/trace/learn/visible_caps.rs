@@ -22,9 +22,6 @@ use super::super::work::{Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::Cap;
 
-/// Camera paths for each path that looks around, and most of these.
-const PATHS: usize = 64;
-const MOST_PATHS: usize = 4096;
 /// Fewest meetings that tell which part of a lamp is visible.
 const FEWEST: usize = 16;
 /// Share of them that counts: a few may see a lamp from behind the wall it sticks in.
@@ -34,9 +31,9 @@ const MARGIN: f64 = 0.15;
 /// Angle of a cap, radians, from which on the whole lamp may as well be sampled.
 const WIDEST: f64 = 1.0;
 
-/// Limits light samples to the visible parts of spherical lamps, as a picture of so many `samples` per pixel is worth;
-/// not worth anything once the job's halt is due.
-pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, samples: u32) {
+/// Limits light samples to the visible parts of spherical lamps, as so many paths from the camera find them; not worth
+/// anything once the job's halt is due.
+pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumination, paths: usize) {
     let lights = &mut illumination.lights;
     if illumination.heuristic.is_none() || !lights.emitters().iter().any(|emitter| emitter.sphere().is_some())
     {
@@ -48,7 +45,6 @@ pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumina
     let none = EdgePixels::default();
     let share = Share::Whole(&none);
     let work = Work { origin: (0, 0), size, lattice: Lattice::ALL, first_sample: 0, samples: 1, share };
-    let paths = (pixels.saturating_mul(samples as usize) / PATHS).clamp(1, MOST_PATHS);
     let stride = pixels.div_ceil(paths);
     let met: Vec<Vec<(PrimitiveId, DVec3)>> = (0..pixels)
         .into_par_iter()

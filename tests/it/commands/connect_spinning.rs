@@ -91,7 +91,7 @@ fn a_charged_hole_of_any_size_has_the_connections_of_the_scaled_pair() {
 fn points_at_which_nothing_is_at_rest_are_refused() {
     let refused = |row: &str, said: &[&str]| {
         let place = Folder::with(&[("pairs.csv", &format!("a,x0,x1,x2,y0,y1,y2\n{row}\n"))]);
-        assert_refused(&place.run(&["connect", "--spacetime", "kerr", "pairs.csv"]), said);
+        assert_refused(&place.run(&["connect", "--spacetime", "kerr", "pairs.csv", "-o", "out.csv"]), said);
     };
     refused("0.9,1.9,0,0,8,0,0", &["line 2", "`x0`", "ergosphere"]);
     refused("0.9,8,0,0,0,0,1", &["line 2", "`y0`", "ergosphere"]);
