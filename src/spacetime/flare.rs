@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 use std::fmt;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use crate::math::quadrature::gauss_legendre;
 use crate::math::real::Real;
@@ -67,15 +67,29 @@ impl PartialEq for Flare {
     }
 }
 
+/// Most tables, of 130 kB each.
+pub(super) const MOST_TABLES: usize = 1000;
+
 /// Tables, by the bits of their shapes. They are kept for as long as the program runs: spacetimes are copied freely.
 static TABLES: Mutex<BTreeMap<u64, &'static Flare>> = Mutex::new(BTreeMap::new());
 
 impl Flare {
-    /// The table of shape μ.
+    /// The table of shape μ; some other one if there are too many, see [`Self::is_of`].
     pub(super) fn of(shape: f64) -> &'static Self {
-        let shape = shape.at_least(SHAPES.0).at_most(SHAPES.1);
-        let mut tables = TABLES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let shape = bounded(shape);
+        let mut tables = TABLES.lock().unwrap_or_else(PoisonError::into_inner);
+        if tables.len() >= MOST_TABLES
+            && !tables.contains_key(&shape.to_bits())
+            && let Some(other) = tables.values().next()
+        {
+            return other;
+        }
         tables.entry(shape.to_bits()).or_insert_with(|| Box::leak(Box::new(Self::new(shape))))
+    }
+
+    /// True if it is the table of shape μ.
+    pub(super) fn is_of(&self, shape: f64) -> bool {
+        self.shape == bounded(shape)
     }
 
     /// (n − 1)/Mw at the inverse radius `w` of at most that of the `mouth`, which may be below 0.
@@ -103,6 +117,10 @@ impl Flare {
         let piece = &self.pieces[(octave_part as usize).wrapping_sub(FIRST).min(PIECES - 1)];
         (piece, (y - R::of(piece.middle)) * R::of(piece.per_half))
     }
+}
+
+fn bounded(shape: f64) -> f64 {
+    shape.at_least(SHAPES.0).at_most(SHAPES.1)
 }
 
 /// y within the last polynomial; a number of f32, too.

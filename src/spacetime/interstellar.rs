@@ -16,7 +16,7 @@
 //! Reference: \[J\] James, von Tunzelmann, Franklin, Thorne 2015, Am. J. Phys. 83, 486 (arXiv:1502.03809).
 
 use super::conformally_flat::ConformallyFlat;
-use super::flare::Flare;
+use super::flare::{Flare, MOST_TABLES};
 use super::named::Named;
 use super::parameter::{Parameter, Range, THROAT_RADIUS};
 use crate::math::real::Real;
@@ -100,6 +100,11 @@ impl Named for Interstellar {
             let problem = format!("lensing_width is {width}, but throat_radius {radius}");
             let bounds = format!("from {} to {} throat radii", WIDTHS.0, WIDTHS.1);
             return Some((problem, format!("give a lensing_width of {least} to {most}, {bounds}")));
+        }
+        let shape = width / WIDTH_PER_MASS / radius;
+        if !Flare::of(shape).is_of(shape) {
+            let problem = format!("lensing_width over throat_radius is the {MOST_TABLES}th other one");
+            return Some((problem, format!("give at most {MOST_TABLES} in one run")));
         }
         let longest = LONGEST * radius;
         let problem = || {
