@@ -14,11 +14,15 @@ const LEAST_WEIGHT: f64 = 1e-2;
 
 /// The arc that stands in for the step along `chord` of a curve that goes through points at about a fifth, a half and
 /// four fifths of the way, given its tangents at the start and at the end, of any length.
+///
+/// A curve that `starts_on` a surface keeps the tangent there: an arc that leaves on the other side than the curve may
+/// miss what the curve meets.
 #[inline(always)]
 pub(crate) fn fit_sampled_arc(
     chord: DVec3,
     [early, halfway, late]: [DVec3; 3],
     [d0, d1]: [DVec3; 2],
+    starts_on: bool,
 ) -> SpaceArc {
     // Across both tangents, as long as the sine of the turn times their lengths.
     let across = d0.cross(d1);
@@ -30,7 +34,8 @@ pub(crate) fn fit_sampled_arc(
     let forwards = d0.dot(d1) > 0.0;
     let is_bent = across2 > SMALL_TURN * SMALL_TURN * (d0.length_squared() * d1.length_squared());
     let meets = is_bent & (ahead > 0.0) & (behind > 0.0);
-    let met = 0.5 * (ahead * d0 + chord - behind * d1);
+    let (first, last) = (ahead * d0, chord - behind * d1);
+    let met = first + if starts_on { 0.0 } else { 0.5 } * (last - first);
     // Points of the conic have y² = 4 w² z x.
     let meeting = Axes::new(chord, met);
     let [z, y, x] = meeting.shares(halfway);
@@ -40,6 +45,8 @@ pub(crate) fn fit_sampled_arc(
     // Else the parabola through the point halfway: both are computed and one is chosen, so that lanes can run side by
     // side.
     let level = 2.0 * halfway - 0.5 * chord;
+    let tangential = (0.5 * chord.length_squared() / d0.dot(chord)) * d0;
+    let level = level + if starts_on { 1.0 } else { 0.0 } * (tangential - level);
     let pick = |a: f64, b: f64| if is_fitted { a } else { b };
     let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
     let weight = pick(fitted, 1.0);
@@ -114,10 +121,10 @@ mod tests {
     type Curve = fn(f64) -> [DVec3; 2];
 
     /// The arc from `from` by `h`, and its largest distance from the curve.
-    fn fitted(curve: Curve, from: f64, h: f64) -> (SpaceArc, f64) {
+    fn fitted(curve: Curve, from: f64, h: f64, starts_on: bool) -> (SpaceArc, f64) {
         let ([x0, d0], [x1, d1]) = (curve(from), curve(from + h));
         let points = [0.2, 0.5, 0.8].map(|part| curve(from + part * h)[0] - x0);
-        let arc = fit_sampled_arc(x1 - x0, points, [d0, d1]);
+        let arc = fit_sampled_arc(x1 - x0, points, [d0, d1], starts_on);
         let placed = Arc { p0: x0, p1: x0 + arc.middle, p2: x1, w: arc.weight };
         let distance = |i: u32| {
             let point = curve(from + h * f64::from(i) / 64.0)[0];
@@ -155,8 +162,10 @@ mod tests {
     fn conics_are_their_own_sampled_arcs() {
         for h in [0.01, 0.3, 1.2] {
             for curve in [circle, hyperbola] {
-                let (arc, distance) = fitted(curve, 0.1, h);
-                assert!(distance < 1e-13 && arc.error < 1e-13, "{h}: {distance:e} {arc:?}");
+                for starts_on in [false, true] {
+                    let (arc, distance) = fitted(curve, 0.1, h, starts_on);
+                    assert!(distance < 1e-13 && arc.error < 1e-13, "{h}: {distance:e} {arc:?}");
+                }
             }
         }
     }
@@ -166,7 +175,7 @@ mod tests {
         for curve in [helix as Curve, inflected, wave] {
             for from in [-0.4, -0.1, 0.0, 0.3, 1.1] {
                 for h in [0.02, 0.1, 0.4, 0.9] {
-                    let (arc, distance) = fitted(curve, from, h);
+                    let (arc, distance) = fitted(curve, from, h, false);
                     println!("{from} {h}: {distance:e} {arc:?}");
                     assert!(distance < 1.5 * arc.error + 1e-15, "{from} {h}: {distance:e} {arc:?}");
                     assert!(arc.error < 3.0 * distance + 1e-7 * h, "{from} {h}: {distance:e} {arc:?}");
@@ -176,12 +185,26 @@ mod tests {
     }
 
     #[test]
+    fn an_arc_that_starts_on_a_surface_leaves_it_as_its_curve_does() {
+        for curve in [helix as Curve, inflected, wave, circle] {
+            for from in [-0.4, 0.0, 0.3, 1.1] {
+                for h in [0.02, 0.1, 0.4, 0.9] {
+                    let tangent = curve(from)[1].normalize();
+                    let (arc, distance) = fitted(curve, from, h, true);
+                    assert!(arc.middle.normalize().distance(tangent) < 1e-13, "{from} {h}: {arc:?}");
+                    assert!(distance < 2.0 * arc.error + 1e-15, "{from} {h}: {distance:e} {arc:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_straight_step_has_a_straight_sampled_arc() {
         let (chord, d) = (DVec3::new(1e9, 2e9, -3e9), DVec3::new(1.0, 2.0, -3.0));
         let points = [0.2 * chord, 0.5 * chord, 0.8 * chord];
-        let arc = fit_sampled_arc(chord, points, [d, d]);
+        let arc = fit_sampled_arc(chord, points, [d, d], false);
         assert!((arc.middle - 0.5 * chord).length() < 1e-6, "{arc:?}");
         assert!(arc.weight == 1.0 && arc.error < 1e-6, "{arc:?}");
-        assert!(fit_sampled_arc(chord, points, [d, -d]).error == f64::INFINITY);
+        assert!(fit_sampled_arc(chord, points, [d, -d], false).error == f64::INFINITY);
     }
 }

@@ -26,12 +26,16 @@ pub(super) const SMALL_TURN: f64 = 1e4 * f64::EPSILON;
 
 /// The arc that stands in for the step along `chord` of a curve that goes `through` a point about halfway, given its
 /// first and second derivatives at the start and at the end.
+///
+/// A curve that `starts_on` a surface keeps the tangent there: an arc that leaves on the other side than the curve may
+/// miss what the curve meets.
 #[inline(always)]
 pub(crate) fn fit_space_arc(
     chord: DVec3,
     through: DVec3,
     [d0, dd0]: [DVec3; 2],
     [d1, dd1]: [DVec3; 2],
+    starts_on: bool,
 ) -> SpaceArc {
     let length2 = chord.length_squared();
     let (per_d0, per_d1) = (1.0 / d0.length(), 1.0 / d1.length());
@@ -54,7 +58,9 @@ pub(crate) fn fit_space_arc(
         & (behind > 0.0)
         & (weight > 0.0)
         & (weight < f64::INFINITY);
-    let met = 0.5 * (ahead * d0 + chord - behind * d1);
+    let (first, last) = (ahead * d0, chord - behind * d1);
+    let (share, twisted) = if starts_on { (0.0, 0.2963) } else { (0.5, 0.0962) };
+    let met = first + share * (last - first);
     // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
     let parabola0 = 0.5 * across2.sqrt() * behind / (ahead * ahead);
     let parabola1 = 0.5 * across2.sqrt() * ahead / (behind * behind);
@@ -62,17 +68,18 @@ pub(crate) fn fit_space_arc(
     let off1 = (parabola1 / weight2 - bending1).abs() * (per_d1 * per_d1 * per_d1);
     let off = if off0 > off1 { off0 } else { off1 };
     // The tangents pass each other at this distance; the cubic part s(1−s)(1−2s) of the Hermite interpolant is at most
-    // 0.0962.
+    // 0.0962, that from the plane of the first tangent, 2s²(1−s), 0.2963.
     let twist = chord.dot(across).abs() * per_across2.sqrt();
-    let conic_error = 0.009 * off * length2 + 0.0962 * twist;
+    let conic_error = 0.009 * off * length2 + twisted * twist;
     // Directions at both ends, across the chord and as long as it.
     let length = length2.sqrt();
     let unit = chord * (1.0 / length);
     let beside = |direction: DVec3| length * (direction - direction.dot(unit) * unit);
     let (start, end) = (beside(d0 * per_d0), beside(d1 * per_d1));
-    // The cubic part s(1−s)(1−2s)/2 is at most 0.0481.
-    let parabola_error = 0.0481 * (start + end).length();
+    let parabola_error = 0.5 * twisted * (start + end).length();
     let level = 0.5 * chord + 0.25 * (start - end);
+    let tangential = (0.5 * length2 / d0.dot(chord)) * d0;
+    let level = level + if starts_on { 1.0 } else { 0.0 } * (tangential - level);
     // Both are computed and one is chosen, so that lanes can run side by side.
     let pick = |a: f64, b: f64| if conic { a } else { b };
     let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
@@ -103,7 +110,7 @@ mod tests {
     fn fitted(curve: Curve, from: f64, h: f64) -> (SpaceArc, f64) {
         let ([x0, d0, dd0], [x1, d1, dd1]) = (curve(from), curve(from + h));
         let (start, end) = ([d0, dd0], [d1, dd1]);
-        let arc = fit_space_arc(x1 - x0, halfway(h, x1 - x0, start, end), start, end);
+        let arc = fit_space_arc(x1 - x0, halfway(h, x1 - x0, start, end), start, end, false);
         let placed = Arc { p0: x0, p1: x0 + arc.middle, p2: x1, w: arc.weight };
         let distance = |i: u32| {
             let point = curve(from + h * f64::from(i) / 64.0)[0];
@@ -173,12 +180,12 @@ mod tests {
     #[test]
     fn a_straight_step_is_a_straight_arc() {
         let (chord, d) = (DVec3::new(1e9, 2e9, -3e9), DVec3::new(1.0, 2.0, -3.0));
-        let arc = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [d, DVec3::ZERO]);
+        let arc = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [d, DVec3::ZERO], false);
         assert!(
             (arc.middle - 0.5 * chord).length() < 1e-6 && arc.weight == 1.0 && arc.error < 1e-6,
             "{arc:?}"
         );
-        let back = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [-d, DVec3::ZERO]);
+        let back = fit_space_arc(chord, 0.5 * chord, [d, DVec3::ZERO], [-d, DVec3::ZERO], false);
         assert!(back.error == f64::INFINITY);
     }
 }

@@ -158,9 +158,10 @@ impl<const L: usize> FieldStep<L> {
     /// Arc of a ray's step from the start, as displacements: middle control point, end, weight, and its distance from the
     /// ray.
     ///
-    /// Conics stay conics in projective coordinates, in which the ray is the straighter one.
+    /// Conics stay conics in projective coordinates, in which the ray is the straighter one. One that `starts_on` a
+    /// surface keeps the tangent there.
     #[inline(always)]
-    pub fn arc(&self, start: &FieldRays<L>, h: f64, l: usize) -> (DVec3, DVec3, f64, f64) {
+    pub fn arc(&self, start: &FieldRays<L>, h: f64, starts_on: bool, l: usize) -> (DVec3, DVec3, f64, f64) {
         let (lean, way, rate) = (lane(&start.lean, l), lane(&self.way, l), lane(&self.rate, l));
         let q = self.ahead[l];
         let force = lane(&self.end.force, l);
@@ -168,7 +169,7 @@ impl<const L: usize> FieldStep<L> {
         let (speed, first_bend) = (h * lane(&start.p, l), h * h * lane(&start.force, l));
         let (first, last) = ([speed, first_bend], [rate, bend]);
         let SpaceArc { middle, weight, error } =
-            fit_space_arc(way, halfway(1.0, way, first, last), first, last);
+            fit_space_arc(way, halfway(1.0, way, first, last), first, last, starts_on);
         let at_middle = 1.0 - lean.dot(middle);
         let scale = 1.0 / if q < 1.0 { q } else { 1.0 };
         let weight = weight * at_middle / q.sqrt();

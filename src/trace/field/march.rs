@@ -9,6 +9,7 @@ use crate::geodesic::{
     Dop853, FieldControl, FieldRays, FieldStep, FieldVerdict, Rkn6, Stepper, alone, at_infinity, lane,
     set_lane,
 };
+use crate::geometry::PrimitiveId;
 use crate::light::{FieldRegions, LightSampler};
 use crate::math::columns::{LANES, Row};
 use crate::math::kernel::widest;
@@ -128,6 +129,7 @@ impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
         &self,
         rays: &FieldRays<L>,
         (h, previous): (&[f64; L], &[f64; L]),
+        starts_on: &[bool; L],
         mut each: impl FnMut(usize, FieldMove),
     ) {
         let step = FieldStep::new::<N>(&self.field, &self.stepper, rays, h);
@@ -140,7 +142,7 @@ impl<F: IndexField, S: Stepper> FieldStepping<F, S> {
             }
         }
         for l in 0..L {
-            let (middle, chord, weight, arc_error) = step.arc(rays, h[l], l);
+            let (middle, chord, weight, arc_error) = step.arc(rays, h[l], starts_on[l], l);
             let [position, momentum, force, lean] = vectors(&step.end, l);
             // What no search follows need not be followed closely.
             let start = (lane(&rays.x, l), lane(&rays.p, l));
@@ -239,11 +241,12 @@ impl<F: IndexField, S: Stepper> pulp::NullaryFnOnce for FieldMoves<'_, F, S> {
     fn call(self) {
         for (flights, moves) in self.flights.iter().zip(self.moves) {
             let (rays, h) = gather(|l| FieldFlight::get(flights, l).span());
-            let mut previous = [0.0; LANES];
-            for (l, previous) in previous.iter_mut().enumerate() {
-                *previous = FieldFlight::get(flights, l).error;
+            let (mut previous, mut starts_on) = ([0.0; LANES], [false; LANES]);
+            for l in 0..LANES {
+                let FieldFlight { error, origin_prim, .. } = FieldFlight::get(flights, l);
+                (previous[l], starts_on[l]) = (error, origin_prim != PrimitiveId::NONE);
             }
-            self.march.moves::<LANES, { 3 * LANES }>(&rays, (&h, &previous), |l, step| {
+            self.march.moves::<LANES, { 3 * LANES }>(&rays, (&h, &previous), &starts_on, |l, step| {
                 FieldMove::set(moves, l, step);
             });
         }
@@ -289,7 +292,8 @@ impl<F: IndexField, S: Stepper> FieldMarch for FieldStepping<F, S> {
     fn advance(&self, flight: &FieldFlight) -> FieldMove {
         let mut moved = FieldMove::default();
         let (rays, h) = flight.span().ray();
-        self.moves::<1, 3>(&rays, (&h, &[flight.error]), |_, step| moved = step);
+        let starts_on = [flight.origin_prim != PrimitiveId::NONE];
+        self.moves::<1, 3>(&rays, (&h, &[flight.error]), &starts_on, |_, step| moved = step);
         moved
     }
 

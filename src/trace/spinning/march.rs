@@ -10,6 +10,7 @@ use crate::geodesic::kerr::{
     with_powers,
 };
 use crate::geodesic::{SpaceArc, fit_sampled_arc};
+use crate::geometry::PrimitiveId;
 use crate::math::columns::Row;
 use crate::math::fast_log2;
 use crate::math::kernel::{Kernel, NOTHING, map};
@@ -161,7 +162,10 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
             on_the_way(hole, &series, &step, h, LATE),
         ];
         let tangents = [state.velocity(hole, &constants), step.end.velocity(hole, &constants)];
-        let SpaceArc { middle, weight, error } = fit_sampled_arc(step.displacement, points, tangents);
+        let SpaceArc { middle, weight, error } = {
+            let starts_on = flight.origin_prim != PrimitiveId::NONE;
+            fit_sampled_arc(step.displacement, points, tangents, starts_on)
+        };
         // What no search follows need not be followed closely.
         let searched = !keeps_outside(held.chart.outer, &state, &step.end);
         let error = if searched { error } else { 0.0 };
