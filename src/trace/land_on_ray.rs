@@ -107,6 +107,10 @@ impl Pose {
     }
 }
 
+/// Cosine of the angle between a ray and a surface's normal up to which the segment may cross it the other way.
+const GRAZING: f64 = 0.2;
+/// Part of a segment over which its direction is told.
+const AGO: f64 = 1e-6;
 /// Most corrections of a part.
 const MOST_CORRECTIONS: u32 = 6;
 
@@ -300,7 +304,13 @@ fn land<T: Retrace>(
             let normal = |primitive| geometry.support(primitive).height(point).1;
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
-        if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
+        let normal = geometry.support(primitive).height(position).1;
+        let arrives = || arriving(transport, &ray(), point, normal, direction) == direction;
+        let is_steep = normal.dot(direction).abs() > GRAZING;
+        if geometry.covers(primitive, position)
+            && (is_steep || arrives())
+            && between().is_none_or(shares_support)
+        {
             return Landing::conformal(position, direction, primitive);
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
@@ -315,7 +325,23 @@ fn land<T: Retrace>(
         }
     }
     let (flight, step) = ray();
-    let (span, _, part) = approach(transport, geometry, (&flight, &step), found);
-    let direction = transport.pose_beside(&span, &part).tangent;
-    Landing::conformal(point, direction.normalize(), primitive)
+    let (span, support, part) = approach(transport, geometry, (&flight, &step), found);
+    let direction = transport.pose_beside(&span, &part).tangent.normalize();
+    let normal = support.height(point).1;
+    Landing::conformal(point, arriving(transport, &(flight, step), point, normal, direction), primitive)
+}
+
+/// A ray's `direction` at a surface of this normal; the segment's at `point` where that crosses it to the other side: a
+/// ray that grazes a surface may go away from it where its segment arrives, and would come from behind.
+fn arriving<T: Retrace>(
+    transport: &T,
+    (flight, step): &(T::Flight, T::Move),
+    point: DVec3,
+    normal: DVec3,
+    direction: DVec3,
+) -> DVec3 {
+    let Some(course) = transport.course(flight, step) else { return direction };
+    let before = (course.parameter_beside(point) - AGO).max(0.0);
+    let way = course.point(before + AGO) - course.point(before);
+    if way.dot(normal) * direction.dot(normal) < 0.0 { way.normalize_or(direction) } else { direction }
 }
