@@ -304,14 +304,13 @@ fn land<T: Retrace>(
             let normal = |primitive| geometry.support(primitive).height(point).1;
             normal(primitive).cross(normal(other)).length_squared() < 1e-18
         };
-        let normal = geometry.support(primitive).height(position).1;
-        let arrives = || arriving(transport, &ray(), point, normal, direction) == direction;
-        let is_steep = normal.dot(direction).abs() > GRAZING;
-        if geometry.covers(primitive, position)
-            && (is_steep || arrives())
-            && between().is_none_or(shares_support)
-        {
-            return Landing::conformal(position, direction, primitive);
+        if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
+            let normal = geometry.support(primitive).height(position).1;
+            let is_steep = normal.dot(direction).abs() > GRAZING;
+            if is_steep || arriving(transport, &ray(), point, normal, direction) == direction {
+                return Landing::conformal(position, direction, primitive);
+            }
+            return stay(transport, geometry, &ray(), found);
         }
         // The curve passes beside the primitive, across an edge that it shares: its tangent tells what it meets.
         let reach = 2.0 * moved * direction;
@@ -324,11 +323,16 @@ fn land<T: Retrace>(
             }
         }
     }
-    let (flight, step) = ray();
-    let (span, support, part) = approach(transport, geometry, (&flight, &step), found);
+    stay(transport, geometry, &ray(), found)
+}
+
+/// Landing of a ray where its segment meets the primitive.
+fn stay<T: Retrace>(transport: &T, geometry: &Geometry, ray: &(T::Flight, T::Move), found: Found) -> Landing {
+    let Found { point, primitive } = found;
+    let (span, support, part) = approach(transport, geometry, (&ray.0, &ray.1), found);
     let direction = transport.pose_beside(&span, &part).tangent.normalize();
     let normal = support.height(point).1;
-    Landing::conformal(point, arriving(transport, &(flight, step), point, normal, direction), primitive)
+    Landing::conformal(point, arriving(transport, ray, point, normal, direction), primitive)
 }
 
 /// A ray's `direction` at a surface of this normal; the segment's at `point` where that crosses it to the other side: a
