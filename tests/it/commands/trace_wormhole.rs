@@ -138,7 +138,7 @@ fn a_table_of_ever_new_wormholes_ends_before_it_takes_all_memory() {
         (0..1010).map(|i| format!("1,1,{},3,1,0,0,-1,0.1,0,5\n", 0.1 + 1e-3 * f64::from(i))).collect();
     let place = folder(&format!("rho,a,W,l0,nx0,ny0,nz0,dx0,dy0,dz0,L\n{rows}"));
     let output = place.run(&["trace", "--spacetime", "interstellar-wormhole", "rays.csv", "-o", "out.csv"]);
-    assert_refused(&output, &["line 1002", "lensing_width", "1000 in one run"]);
+    assert_refused(&output, &["lensing_width", "1000 in one run"]);
     assert_eq!(place.files(), ["rays.csv"]);
 }
 

@@ -48,6 +48,17 @@ fn a_furnace_around_a_spinning_hole_is_exactly_one() {
 }
 
 #[test]
+fn no_bounce_between_surfaces_around_a_spinning_hole_passes_them_however_coarse_the_arcs() {
+    let settings = "[render]\nspp = 100\nmax_depth = 20\nroulette_depth = 20\nlight_sampling = \"off\"\n";
+    for (spin, radius) in [(0.9, 1.15), (0.0, 1.05)] {
+        let counters =
+            render(&furnace(&spinning(spin, 0.0), settings, radius), &Run::default()).stats.counters;
+        let fates = counters.fates;
+        assert!(fates.hit > 400_000 && fates.hit == counters.rays, "spin {spin}: {fates:?}");
+    }
+}
+
+#[test]
 fn a_furnace_around_a_spinning_hole_keeps_its_mean_with_light_sampling() {
     let settings = "[render]\nspp = 64\nmax_depth = 400\nroulette_depth = 5\n";
     let mean = mean_red(&render(&furnace(&spinning(0.9, 0.0), settings, 1.15), &Run::default()));
