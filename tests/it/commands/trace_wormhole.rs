@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::command::{Folder, assert_code, assert_refused};
+use crate::support::command::{Folder, assert_code};
 use crate::support::{Row, data, table};
 
 /// With the rays of `text` in `rays.csv`.
@@ -138,7 +138,10 @@ fn a_table_of_ever_new_wormholes_ends_before_it_takes_all_memory() {
         (0..1010).map(|i| format!("1,1,{},3,1,0,0,-1,0.1,0,5\n", 0.1 + 1e-3 * f64::from(i))).collect();
     let place = folder(&format!("rho,a,W,l0,nx0,ny0,nz0,dx0,dy0,dz0,L\n{rows}"));
     let output = place.run(&["trace", "--spacetime", "interstellar-wormhole", "rays.csv", "-o", "out.csv"]);
-    assert_refused(&output, &["lensing_width", "1000 in one run"]);
+    assert_code(&output, 2);
+    // After lines of progress, on a slow machine.
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("lensing_width") && text.contains("1000 in one run"), "{text}");
     assert_eq!(place.files(), ["rays.csv"]);
 }
 
