@@ -1,7 +1,7 @@
 //! `warpfront bench`.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use super::bench_args::BenchArgs;
 use super::completion::Completion;
@@ -18,9 +18,7 @@ use super::{memory, overwrite};
 use crate::asset::Files;
 use crate::film::atomic::Output;
 use crate::scene::{self, Baked, LoadOptions};
-use crate::study::bench::{
-    Bench, BenchRecord, Contender, Point, Previous, PreviousError, Race, Vary, VaryError, report,
-};
+use crate::study::bench::{Bench, BenchRecord, Contender, Point, Previous, Race, Vary, VaryError, report};
 
 /// Races the wavefront against its baselines, prints what was found, and writes it if asked to.
 pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
@@ -49,7 +47,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
     };
 
     for previous in &previous {
-        previous.check(&points)?;
+        previous.check(&path.display().to_string(), &points)?;
     }
     meter.enter("rendering");
     let races = measure::run(Bench::new(scenes, points, contenders), args.rounds, meter)?;
@@ -71,14 +69,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<Completion, Failure> {
 
 /// Contenders of the race, the wavefront first.
 fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure> {
-    let rendering: Vec<Contender> = args
-        .baseline
-        .iter()
-        .filter_map(|baseline| match baseline {
-            Baseline::Contender(contender) => Some(*contender),
-            Baseline::Previous(_) => None,
-        })
-        .collect();
+    let rendering: Vec<Contender> = args.baseline.iter().filter_map(Baseline::contender).collect();
     let contenders = [&[Contender::Wavefront][..], &distinct(&rendering)].concat();
     if let Some(contender) = contenders.iter().find(|contender| contender.needs_a_hole())
         && scene.spacetime.is_flat()
@@ -91,17 +82,13 @@ fn contenders(args: &BenchArgs, scene: &Baked) -> Result<Vec<Contender>, Failure
 
 /// Records of builds before this one.
 fn previous(args: &BenchArgs, files: &Files) -> Result<Vec<Previous>, Failure> {
-    let read = |path: &PathBuf| {
+    let read = |path: &Path| {
         let name = path.display().to_string();
         let bytes =
             files.read(path).map_err(|error| Failure::new(format!("cannot read `{name}`: {error}")))?;
         Ok(Previous::read(&name, &bytes)?)
     };
-    let paths = args.baseline.iter().filter_map(|baseline| match baseline {
-        Baseline::Contender(_) => None,
-        Baseline::Previous(path) => Some(path),
-    });
-    paths.map(read).collect()
+    args.baseline.iter().filter_map(Baseline::record).map(read).collect()
 }
 
 /// Conditions of the race, in words, but for what is swept.
@@ -128,12 +115,6 @@ fn conditions(args: &BenchArgs, races: &[Race]) -> String {
         plural(args.rounds as usize, "round", "rounds"),
         names.join(", ")
     )
-}
-
-impl From<PreviousError> for Failure {
-    fn from(refusal: PreviousError) -> Self {
-        Self::new(refusal.cause).help(refusal.remedy)
-    }
 }
 
 impl From<VaryError> for Failure {

@@ -76,6 +76,24 @@ pub(super) enum Baseline {
     Previous(PathBuf),
 }
 
+impl Baseline {
+    /// Contender, if it is one.
+    pub(super) fn contender(&self) -> Option<Contender> {
+        match self {
+            Self::Contender(contender) => Some(*contender),
+            Self::Previous(_) => None,
+        }
+    }
+
+    /// Path of a record, if it is one.
+    pub(super) fn record(&self) -> Option<&Path> {
+        match self {
+            Self::Contender(_) => None,
+            Self::Previous(path) => Some(path),
+        }
+    }
+}
+
 /// An opponent of the wavefront.
 pub(super) fn baseline(text: &str) -> Result<Baseline, String> {
     if let Some(path) = text.strip_prefix("previous:") {

@@ -17,6 +17,7 @@
 
 use super::orbit_stepper::OrbitStepper;
 use super::{Control, Phase, Step, StepVerdict};
+use crate::math::cauchy::{product, square};
 use crate::math::fast_log2;
 use crate::math::real::Real;
 use crate::spacetime::{ConformallyFlat, StaticHole};
@@ -52,7 +53,6 @@ const ROOTED: f64 = 64.0;
 const fn calibration(powers: usize) -> f64 {
     match powers {
         ..=8 => 0.5,
-        9..=10 => 0.6,
         _ => 0.25,
     }
 }
@@ -110,27 +110,6 @@ fn small_sinc_cos<R: Real>(x: R) -> (R, R) {
 fn rough_angle_per_tangent<R: Real>(t: R) -> R {
     let root = (R::of(25.0) + R::of(80.0 / 3.0) * t * t).sqrt();
     R::of(8.0) / (R::of(3.0) + root)
-}
-
-/// Sum of products a_i b_{n−i}.
-#[inline(always)]
-fn product<R: Real, const P: usize>(a: &[R; P], b: &[R; P], n: usize) -> R {
-    let mut sum = a[0] * b[n];
-    for i in 1..n + 1 {
-        sum = sum + a[i] * b[n - i];
-    }
-    sum
-}
-
-/// Sum of products a_i a_{n−i}, by symmetry.
-#[inline(always)]
-fn square<R: Real, const P: usize>(a: &[R; P], n: usize) -> R {
-    let mut sum = R::of(0.0);
-    for i in 0..n.div_ceil(2) {
-        sum = sum + a[i] * a[n - i];
-    }
-    sum = sum + sum;
-    if n.is_multiple_of(2) { sum + a[n / 2] * a[n / 2] } else { sum }
 }
 
 impl<const P: usize> ArealSeries<P> {

@@ -16,7 +16,10 @@ pub trait OrbitStepper: Copy + Send + Sync {
     fn step<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
 
     /// The step of length `h` in ξ: a part of one, its dense output.
-    fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R>;
+    #[inline(always)]
+    fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
+        self.step(medium, b, start, h)
+    }
 
     /// Judges a step whose arc is off by `arc_error`, after one whose relative error was `previous`.
     fn judge<R: Real>(
@@ -37,11 +40,6 @@ impl<S: Stepper> OrbitStepper for S {
 
     #[inline(always)]
     fn step<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
-        Step::new(medium, self, b, start, h)
-    }
-
-    #[inline(always)]
-    fn part<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
         Step::new(medium, self, b, start, h)
     }
 

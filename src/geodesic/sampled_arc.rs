@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::SpaceArc;
-use super::space_arc::SMALL_TURN;
+use super::space_arc::{SMALL_TURN, select};
 
 /// Least weight of a conic, and inverse of the largest: others are of tangents that meet by rounding.
 const LEAST_WEIGHT: f64 = 1e-2;
@@ -34,8 +34,8 @@ pub(crate) fn fit_sampled_arc(
     let forwards = d0.dot(d1) > 0.0;
     let is_bent = across2 > SMALL_TURN * SMALL_TURN * (d0.length_squared() * d1.length_squared());
     let meets = is_bent & (ahead > 0.0) & (behind > 0.0);
-    let (first, last) = (ahead * d0, chord - behind * d1);
-    let met = first + if starts_on { 0.0 } else { 0.5 } * (last - first);
+    let first = ahead * d0;
+    let met = select(starts_on, first, 0.5 * (first + chord - behind * d1));
     // Points of the conic have y² = 4 w² z x.
     let meeting = Axes::new(chord, met);
     let [z, y, x] = meeting.shares(halfway);
@@ -46,10 +46,8 @@ pub(crate) fn fit_sampled_arc(
     // side.
     let level = 2.0 * halfway - 0.5 * chord;
     let tangential = (0.5 * chord.length_squared() / d0.dot(chord)) * d0;
-    let level = level + if starts_on { 1.0 } else { 0.0 } * (tangential - level);
-    let pick = |a: f64, b: f64| if is_fitted { a } else { b };
-    let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
-    let weight = pick(fitted, 1.0);
+    let middle = select(is_fitted, met, select(starts_on, tangential, level));
+    let weight = if is_fitted { fitted } else { 1.0 };
     let axes = Axes::new(chord, middle);
     let four_weight2 = 4.0 * weight * weight;
     let (at_early, at_late) = (axes.distance2(four_weight2, early), axes.distance2(four_weight2, late));
@@ -115,7 +113,6 @@ impl Axes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geodesic::Arc;
 
     /// A curve with its derivative.
     type Curve = fn(f64) -> [DVec3; 2];
@@ -125,15 +122,7 @@ mod tests {
         let ([x0, d0], [x1, d1]) = (curve(from), curve(from + h));
         let points = [0.2, 0.5, 0.8].map(|part| curve(from + part * h)[0] - x0);
         let arc = fit_sampled_arc(x1 - x0, points, [d0, d1], starts_on);
-        let placed = Arc { p0: x0, p1: x0 + arc.middle, p2: x1, w: arc.weight };
-        let distance = |i: u32| {
-            let point = curve(from + h * f64::from(i) / 64.0)[0];
-            let s = placed.parameter_beside(point);
-            let velocity = placed.velocity(s).normalize();
-            let way = point - placed.point(s);
-            (way - way.dot(velocity) * velocity).length()
-        };
-        (arc, (1..64).map(distance).fold(0.0, f64::max))
+        (arc, arc.farthest(x0, x1, |part| curve(from + part * h)[0]))
     }
 
     fn circle(s: f64) -> [DVec3; 2] {

@@ -24,6 +24,13 @@ pub(crate) struct SpaceArc {
 /// Turn below which a step is fitted with a parabola: the tangents meet too ill-conditioned there.
 pub(super) const SMALL_TURN: f64 = 1e4 * f64::EPSILON;
 
+/// One of two vectors: both are computed and one is chosen, so that lanes can run side by side.
+#[inline(always)]
+pub(super) fn select(first: bool, a: DVec3, b: DVec3) -> DVec3 {
+    let pick = |a: f64, b: f64| if first { a } else { b };
+    DVec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z))
+}
+
 /// The arc that stands in for the step along `chord` of a curve that goes `through` a point about halfway, given its
 /// first and second derivatives at the start and at the end.
 ///
@@ -58,9 +65,9 @@ pub(crate) fn fit_space_arc(
         & (behind > 0.0)
         & (weight > 0.0)
         & (weight < f64::INFINITY);
-    let (first, last) = (ahead * d0, chord - behind * d1);
-    let (share, twisted) = if starts_on { (0.0, 0.2963) } else { (0.5, 0.0962) };
-    let met = first + share * (last - first);
+    let first = ahead * d0;
+    let met = select(starts_on, first, 0.5 * (first + chord - behind * d1));
+    let twisted = if starts_on { 0.2963 } else { 0.0962 };
     // Curvatures off by ±Δ at the ends part the curves by 0.009 Δ L² (quintic beam).
     let parabola0 = 0.5 * across2.sqrt() * behind / (ahead * ahead);
     let parabola1 = 0.5 * across2.sqrt() * ahead / (behind * behind);
@@ -79,10 +86,8 @@ pub(crate) fn fit_space_arc(
     let parabola_error = 0.5 * twisted * (start + end).length();
     let level = 0.5 * chord + 0.25 * (start - end);
     let tangential = (0.5 * length2 / d0.dot(chord)) * d0;
-    let level = level + if starts_on { 1.0 } else { 0.0 } * (tangential - level);
-    // Both are computed and one is chosen, so that lanes can run side by side.
     let pick = |a: f64, b: f64| if conic { a } else { b };
-    let middle = DVec3::new(pick(met.x, level.x), pick(met.y, level.y), pick(met.z, level.z));
+    let middle = select(conic, met, select(starts_on, tangential, level));
     let weight = pick(weight, 1.0);
     // Neither sees what is off alike on both sides: the point halfway does.
     let arc = Arc { p0: DVec3::ZERO, p1: middle, p2: chord, w: weight };
@@ -100,6 +105,22 @@ pub(crate) fn halfway(h: f64, chord: DVec3, [d0, dd0]: [DVec3; 2], [d1, dd1]: [D
 }
 
 #[cfg(test)]
+impl SpaceArc {
+    /// Largest distance from a curve between two points, of which `at` gives the point after a part of the step.
+    pub(super) fn farthest(&self, start: DVec3, end: DVec3, at: impl Fn(f64) -> DVec3) -> f64 {
+        let placed = Arc { p0: start, p1: start + self.middle, p2: end, w: self.weight };
+        let distance = |i: u32| {
+            let point = at(f64::from(i) / 64.0);
+            let s = placed.parameter_beside(point);
+            let velocity = placed.velocity(s).normalize();
+            let way = point - placed.point(s);
+            (way - way.dot(velocity) * velocity).length()
+        };
+        (1..64).map(distance).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -111,15 +132,7 @@ mod tests {
         let ([x0, d0, dd0], [x1, d1, dd1]) = (curve(from), curve(from + h));
         let (start, end) = ([d0, dd0], [d1, dd1]);
         let arc = fit_space_arc(x1 - x0, halfway(h, x1 - x0, start, end), start, end, false);
-        let placed = Arc { p0: x0, p1: x0 + arc.middle, p2: x1, w: arc.weight };
-        let distance = |i: u32| {
-            let point = curve(from + h * f64::from(i) / 64.0)[0];
-            let s = placed.parameter_beside(point);
-            let velocity = placed.velocity(s).normalize();
-            let way = point - placed.point(s);
-            (way - way.dot(velocity) * velocity).length()
-        };
-        (arc, (1..64).map(distance).fold(0.0, f64::max))
+        (arc, arc.farthest(x0, x1, |part| curve(from + part * h)[0]))
     }
 
     fn circle(s: f64) -> [DVec3; 3] {

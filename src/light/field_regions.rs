@@ -7,14 +7,17 @@
 
 use glam::DVec3;
 
+use super::aim::Link;
 use super::aim::field::{FieldAim, FieldWay, LEAST_AROUND};
 use super::emitter::{Emitter, Extent};
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
 use super::regions::shape::Region;
-use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
-use super::sampler::LightSampler;
-use crate::geodesic::{FieldConnection, FieldControl, FieldTarget, JoinLimits};
+use super::sample::{EmitterHit, LightRayEnd, LightSample, Target};
+use super::sampler::{
+    LightSampler, distant_sample, point_sample, reaches_emitter, region_density, region_sample,
+};
+use crate::geodesic::{FieldControl, FieldTarget, JoinLimits};
 use crate::spacetime::{AtInfinity, IndexField};
 
 /// Light sampling in a field.
@@ -78,7 +81,7 @@ impl<F: IndexField> FieldRegions<F> {
     }
 
     /// A ray to a light that is a point, from a number in [0, 1), and the probability of its way.
-    fn image(&self, x: DVec3, target: FieldTarget, u: f64) -> Option<(FieldConnection, f64)> {
+    fn link(&self, x: DVec3, target: FieldTarget, u: f64) -> Option<(Link, f64)> {
         let enough = match target {
             FieldTarget::Place(y) => ENOUGH * x.distance(y),
             FieldTarget::Infinity(_) => ENOUGH,
@@ -89,7 +92,10 @@ impl<F: IndexField> FieldRegions<F> {
             left -= weight;
             left < 0.0
         })?;
-        Some((self.aim.image(&self.fine, (x, target), way, enough)?, weight / sum))
+        let ray = self.aim.image(&self.fine, (x, target), way, enough)?;
+        let link =
+            Link { direction: ray.direction, arrival: ray.arrival, geometry_factor: ray.geometry_factor() };
+        Some((link, weight / sum))
     }
 
     /// The view that a receiver has of an emitter; `None` if that is too close, or not found.
@@ -218,27 +224,18 @@ impl<F: IndexField> LightSampler for FieldRegions<F> {
         match lights.choose(receiver, u0)? {
             ChosenLight::Surface(emitter, pmf) => {
                 let (direction, density) = self.view(receiver, emitter)?.sample(u)?;
-                Some(LightSample {
-                    direction,
-                    target: Target::Surface(emitter.primitive, emitter.middle()),
-                    light: Incoming::Radiance(emitter.radiance, pmf * density),
-                })
+                Some(region_sample(emitter, direction, pmf * density))
             }
             ChosenLight::Point(_, light, index, pmf) => {
                 let y = light.position()?;
-                let (link, way_pmf) = self.image(x, FieldTarget::Place(y), u[0])?;
+                let (link, way_pmf) = self.link(x, FieldTarget::Place(y), u[0])?;
                 // Intensities are those of the light's own frame.
-                let geometry_factor = link.geometry_factor() / self.aim.field().area_scale(y);
-                let factor = (geometry_factor / (pmf * way_pmf)) as f32;
-                let light = Incoming::Irradiance(factor * light.intensity_towards(-link.arrival));
-                Some(LightSample { direction: link.direction, target: Target::Point(index), light })
+                let geometry_factor = link.geometry_factor / self.aim.field().area_scale(y);
+                Some(point_sample((light, index), &Link { geometry_factor, ..link }, pmf * way_pmf))
             }
             ChosenLight::Distant(side, light, inverse_pmf) => {
-                let travel = light.direction()?;
-                let (link, way_pmf) = self.image(x, FieldTarget::Infinity(-travel), u[0])?;
-                let factor = (inverse_pmf * link.geometry_factor() / way_pmf) as f32;
-                let light = Incoming::Irradiance(factor * light.intensity_towards(travel));
-                Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
+                let (link, way_pmf) = self.link(x, FieldTarget::Infinity(-light.direction()?), u[0])?;
+                Some(distant_sample((side, light, inverse_pmf), &link, way_pmf))
             }
             ChosenLight::Sky(..) => None,
         }
@@ -251,12 +248,9 @@ impl<F: IndexField> LightSampler for FieldRegions<F> {
         direction: DVec3,
         hit: &EmitterHit,
     ) -> f64 {
-        let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
-        let pmf = lights.emitter_pmf(index, receiver);
-        if pmf == 0.0 {
-            return 0.0;
-        }
-        pmf * self.view(receiver, emitter).map_or(0.0, |view| view.density(direction, None))
+        region_density(lights, receiver, hit, |emitter| {
+            self.view(receiver, emitter).map_or(0.0, |view| view.density(direction, None))
+        })
     }
 
     /// The sky is left to BSDF sampling.
@@ -265,11 +259,7 @@ impl<F: IndexField> LightSampler for FieldRegions<F> {
     }
 
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool {
-        let Target::Surface(wanted, _) = target else { return false };
-        let Some((emitter, _)) = lights.emitter(end.primitive).filter(|_| end.primitive == wanted) else {
-            return false;
-        };
-        emitter.both_sides || end.direction.dot(emitter.normal_at(end.position)) < 0.0
+        reaches_emitter(lights, target, end, |normal| normal)
     }
 
     fn samples_sky(&self) -> bool {

@@ -154,6 +154,42 @@ pub(super) fn point_sample((light, index): (&Punctual, u32), link: &Link, pmf: f
     LightSample { direction: link.direction, target: Target::Point(index), light }
 }
 
+/// Light of an emitter from a direction of this density, the choice of the emitter included, that is drawn without a
+/// point on it.
+pub(super) fn region_sample(emitter: &Emitter, direction: DVec3, density: f64) -> LightSample {
+    LightSample {
+        direction,
+        target: Target::Surface(emitter.primitive, emitter.middle()),
+        light: Incoming::Radiance(emitter.radiance, density),
+    }
+}
+
+/// Density of a direction that meets an emitter, where `density` is that for the emitter once it is chosen.
+pub(super) fn region_density(
+    lights: &Lights,
+    receiver: &Receiver,
+    hit: &EmitterHit,
+    density: impl FnOnce(&Emitter) -> f64,
+) -> f64 {
+    let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
+    let pmf = lights.emitter_pmf(index, receiver);
+    if pmf == 0.0 { 0.0 } else { pmf * density(emitter) }
+}
+
+/// True if a ray to an emitter ends on it, wherever, on a side that shines: `at_rest` makes of its normal that at rest.
+pub(super) fn reaches_emitter(
+    lights: &Lights,
+    target: Target,
+    end: &LightRayEnd,
+    at_rest: impl FnOnce(DVec3) -> DVec3,
+) -> bool {
+    let Target::Surface(wanted, _) = target else { return false };
+    let emitter = lights.emitter(end.primitive).filter(|_| end.primitive == wanted);
+    emitter.is_some_and(|(emitter, _)| {
+        emitter.both_sides || end.direction.dot(at_rest(emitter.normal_at(end.position))) < 0.0
+    })
+}
+
 fn sample_distant<A: Aim>(
     aim: &A,
     x: &A::Place,

@@ -1,6 +1,7 @@
 //! Small numerics that no crate gives.
 
 pub(crate) mod bernstein;
+pub(crate) mod cauchy;
 pub(crate) mod chebyshev;
 pub mod columns;
 pub mod cross_exact;

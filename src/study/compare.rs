@@ -27,7 +27,7 @@ pub const DECADES: f64 = 3.0;
 /// Colour of pixels that cannot be compared; not on the scale.
 const NOT_COMPARABLE: [u8; 3] = [0, 255, 0];
 
-/// Error: two pictures cannot be compared.
+/// Error: two pictures, or races, cannot be compared.
 #[derive(Debug, thiserror::Error)]
 #[error("{cause}")]
 pub struct Mismatch {

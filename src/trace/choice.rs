@@ -163,7 +163,7 @@ impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
     fn curved<R: Lane>(self, scene: &Baked, march: Box<dyn March<R>>) -> Curved<M, R, W> {
         let Self { medium, worlds, sky, chart, arc_tolerance } = self;
         let (tolerance, control) = (scene.settings.tolerance, march.control());
-        let way_out = way_out(&medium, tolerance);
+        let way_out = if sky { way_out(&medium, tolerance) } else { None };
         Curved { medium, march, worlds, way_out, sky, chart, control, tolerance, arc_tolerance }
     }
 }

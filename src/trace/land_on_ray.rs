@@ -224,7 +224,7 @@ pub fn land_on_ray<T: Retrace>(
     }
     let arrival = Arriving.run(&support, &pose);
     let between = || first_between(geometry, found, &arrival);
-    land(transport, geometry, found, &arrival, || (*ray.0, *ray.1), between)
+    land(transport, geometry, (found, support), &arrival, || (*ray.0, *ray.1), between)
 }
 
 /// [`land_on_ray`] for many, lane beside lane; `each` is told where the ray of a lane lands.
@@ -275,7 +275,7 @@ pub fn land_all_on_rays<T: Retrace>(
         let arrival = arrivals.get(i);
         let ray = || (flights.get(lane), moves.get(lane));
         let met = || between.found[i].map(|found| found.primitive);
-        each(lane, land(transport, geometry, found, &arrival, ray, met));
+        each(lane, land(transport, geometry, (found, supports.get(i)), &arrival, ray, met));
     }
 }
 
@@ -290,7 +290,7 @@ fn first_between(geometry: &Geometry, found: Found, arrival: &SurfaceArrival) ->
 fn land<T: Retrace>(
     transport: &T,
     geometry: &Geometry,
-    found: Found,
+    (found, support): (Found, SupportingSurface),
     arrival: &SurfaceArrival,
     ray: impl Fn() -> (T::Flight, T::Move),
     between: impl FnOnce() -> Option<PrimitiveId>,
@@ -301,13 +301,13 @@ fn land<T: Retrace>(
     if (0.0..=1.0).contains(&s) && moved <= 8.0 * transport.segment_tolerance() {
         // Both ends lie on the primitive's supporting surface: what shares that cannot stand between them.
         let shares_support = |other: PrimitiveId| {
-            let normal = |primitive| geometry.support(primitive).height(point).1;
-            normal(primitive).cross(normal(other)).length_squared() < 1e-18
+            let (_, normal) = geometry.support(other).height(point);
+            support.height(point).1.cross(normal).length_squared() < 1e-18
         };
         if geometry.covers(primitive, position) && between().is_none_or(shares_support) {
-            let normal = geometry.support(primitive).height(position).1;
+            let (_, normal) = support.height(position);
             let is_steep = normal.dot(direction).abs() > GRAZING;
-            if is_steep || arriving(transport, &ray(), point, normal, direction) == direction {
+            if is_steep || against(transport, &ray(), (point, normal), direction).is_none() {
                 return Landing::conformal(position, direction, primitive);
             }
             return stay(transport, geometry, &ray(), found);
@@ -331,21 +331,22 @@ fn stay<T: Retrace>(transport: &T, geometry: &Geometry, ray: &(T::Flight, T::Mov
     let Found { point, primitive } = found;
     let (span, support, part) = approach(transport, geometry, (&ray.0, &ray.1), found);
     let direction = transport.pose_beside(&span, &part).tangent.normalize();
-    let normal = support.height(point).1;
-    Landing::conformal(point, arriving(transport, ray, point, normal, direction), primitive)
+    let (_, normal) = support.height(point);
+    let direction = against(transport, ray, (point, normal), direction).unwrap_or(direction);
+    Landing::conformal(point, direction, primitive)
 }
 
-/// A ray's `direction` at a surface of this normal; the segment's at `point` where that crosses it to the other side: a
-/// ray that grazes a surface may go away from it where its segment arrives, and would come from behind.
-fn arriving<T: Retrace>(
+/// Direction of a ray's segment where it meets a surface, given a point there and the normal, if it crosses that to the
+/// other side than the ray's `direction`: a ray that grazes a surface may go away from it where its segment arrives, and
+/// would come from behind.
+fn against<T: Retrace>(
     transport: &T,
     (flight, step): &(T::Flight, T::Move),
-    point: DVec3,
-    normal: DVec3,
+    (point, normal): (DVec3, DVec3),
     direction: DVec3,
-) -> DVec3 {
-    let Some(course) = transport.course(flight, step) else { return direction };
+) -> Option<DVec3> {
+    let course = transport.course(flight, step)?;
     let before = (course.parameter_beside(point) - AGO).max(0.0);
     let way = course.point(before + AGO) - course.point(before);
-    if way.dot(normal) * direction.dot(normal) < 0.0 { way.normalize_or(direction) } else { direction }
+    if way.dot(normal) * direction.dot(normal) < 0.0 { way.try_normalize() } else { None }
 }

@@ -257,7 +257,9 @@ impl Lap {
     /// CPU time of each stage.
     pub fn finish(mut self) -> StageTimes {
         let (cpu, wall) = (cpu_clock::of_thread().saturating_sub(self.cpu), self.last - self.started);
-        self.times.scale(cpu.as_secs_f64() / wall.as_secs_f64().max(f64::MIN_POSITIVE));
+        if !wall.is_zero() {
+            self.times.scale(cpu.as_secs_f64() / wall.as_secs_f64());
+        }
         self.times
     }
 }

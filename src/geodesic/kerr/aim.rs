@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
-use super::hole::UnitHole;
+use super::hole::{UnitHole, turned_by};
 use super::launch::KerrLaunch;
 use super::plane::OrbitPlane;
 use crate::math::frame::tangents;
@@ -44,8 +44,8 @@ pub struct Aimed {
     winding: u32,
 }
 
-/// Most solutions in a plane while the winding about the axis is found.
-const MAX_SOLVES: usize = 8;
+/// Most rays while the winding about the axis is found.
+const MAX_AIMS: usize = 8;
 /// Largest difference between the winding about the axis and its guess, radians.
 const TURN_TOLERANCE: f64 = 0.003;
 /// Largest change of a guess, radians.
@@ -59,8 +59,7 @@ const CRITICAL: f64 = 5.5;
 
 /// `n` turned about z by an angle, radians.
 pub fn turned(n: DVec3, angle: f64) -> DVec3 {
-    let (sin, cos) = libm::sincos(angle);
-    DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z)
+    turned_by(libm::sincos(angle), n)
 }
 
 impl KerrPlace {
@@ -133,27 +132,41 @@ impl KerrPlace {
     /// The ray from here to `target` with this winding number.
     pub fn aim(&self, hole: &UnitHole, target: &KerrPlace, winding: u32) -> Option<Aimed> {
         let place = |turn: f64| KerrPlace { n: turned(target.n, -turn), ..*target };
-        let mut turn = 0.0;
-        let mut shot = self.shoot(hole, &place(turn), winding, None)?;
-        // Of the secant: the guess before and how far off it was.
-        let mut before: Option<(f64, f64)> = None;
-        for _ in 1..MAX_SOLVES {
-            let miss = shot.turn - turn;
-            if miss.abs() < TURN_TOLERANCE {
-                break;
-            }
-            let step = match before {
-                Some((guess, missed)) if (miss - missed).abs() > 0.3 * (turn - guess).abs() => {
-                    -miss * (turn - guess) / (miss - missed)
-                }
-                _ => miss,
-            };
-            before = Some((turn, miss));
-            turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
-            shot = self.shoot(hole, &place(turn), winding, Some(&shot))?;
-        }
+        let (shot, turn) = with_own_turn(0.0, TURN_TOLERANCE, |turn, before: Option<&PlaneShot>| {
+            let shot = self.shoot(hole, &place(turn), winding, before)?;
+            Some((shot, shot.turn))
+        })?;
         Some(Aimed { shot, turn, winding })
     }
+}
+
+/// The ray whose winding about the axis is that with which it was aimed, within `tolerance`, radians, and that winding:
+/// by secants from a `guess`. `aim` gives the ray for a winding, and the winding that it has; the ray before may help.
+pub fn with_own_turn<T>(
+    guess: f64,
+    tolerance: f64,
+    aim: impl Fn(f64, Option<&T>) -> Option<(T, f64)>,
+) -> Option<(T, f64)> {
+    let mut turn = guess;
+    let (mut ray, mut own) = aim(turn, None)?;
+    // The guess before and how far off it was.
+    let mut before: Option<(f64, f64)> = None;
+    for _ in 1..MAX_AIMS {
+        let miss = own - turn;
+        if miss.abs() < tolerance {
+            break;
+        }
+        let step = match before {
+            Some((guess, missed)) if (miss - missed).abs() > 0.3 * (turn - guess).abs() => {
+                -miss * (turn - guess) / (miss - missed)
+            }
+            _ => miss,
+        };
+        before = Some((turn, miss));
+        turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
+        (ray, own) = aim(turn, Some(&ray))?;
+    }
+    Some((ray, turn))
 }
 
 impl Aimed {

@@ -8,9 +8,10 @@ use glam::DVec3;
 
 use super::aim::KerrPlace;
 use super::constants::Constants;
-use super::hole::{UnitHole, about_axis};
+use super::hole::{UnitHole, about_axis, turned_by};
 use super::launch::KerrLaunch;
 use super::state::MinoState;
+use crate::math::cauchy::product;
 use crate::math::dual::Dual;
 use crate::math::fast_log2;
 use crate::math::real::Real;
@@ -141,8 +142,8 @@ impl FlowStart {
         let [first, second] = [dual(&self.slopes[0])?, dual(&self.slopes[1])?];
         let value = |v: [Dual<f64>; 3]| DVec3::from_array(v.map(|x| x.value));
         let slope = |v: [Dual<f64>; 3]| DVec3::from_array(v.map(|x| x.slope));
-        let (sin, cos) = libm::sincos(first.winding.value);
-        let turned = |n: DVec3| DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z);
+        let angle = libm::sincos(first.winding.value);
+        let turned = |n: DVec3| turned_by(angle, n);
         let n = turned(value(first.n).normalize());
         let n_slopes = [first, second].map(|end| turned(slope(end.n)) + end.winding.slope * about_axis(n));
         let state = MinoState { u: first.u.value, v: first.v.value, n, m: turned(value(first.m)) };
@@ -164,8 +165,7 @@ impl FlowStart {
             let h = series.length(hole, EXACT_TOLERANCE).min(left);
             each(h, &|part| {
                 let Flow { u, v, n, m, winding, .. } = series.at(hole, part);
-                let (sin, cos) = libm::sincos(winding);
-                let turned = |[x, y, z]: [f64; 3]| DVec3::new(cos * x - sin * y, sin * x + cos * y, z);
+                let turned = |n: [f64; 3]| turned_by(libm::sincos(winding), n.into());
                 MinoState { u, v, n: turned(n), m: turned(m) }
             });
             flow = series.at(hole, h);
@@ -211,15 +211,6 @@ struct FlowSeries<T, const P: usize> {
     /// Of G, up to the power P − 3.
     g: [T; P],
     winding: T,
-}
-
-/// Sum of products a_i b_{n−i}.
-fn product<T: Real, const P: usize>(a: &[T; P], b: &[T; P], n: usize) -> T {
-    let mut sum = a[0] * b[n];
-    for i in 1..n + 1 {
-        sum = sum + a[i] * b[n - i];
-    }
-    sum
 }
 
 impl<T: Real, const P: usize> FlowSeries<T, P> {

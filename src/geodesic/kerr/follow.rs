@@ -1,11 +1,11 @@
 //! A ray followed to its end where nothing is in its way.
 
-use super::hole::UnitHole;
+use super::hole::{UnitHole, turned_by};
 use super::launch::KerrLaunch;
-use super::powers::{UsePowers, with_powers};
 use super::series::Series;
 use super::state::MinoState;
 use super::step::{SeriesControl, SeriesStep};
+use crate::geodesic::{UsePowers, with_powers};
 use crate::spacetime::Fate;
 
 /// End of a ray.
@@ -132,10 +132,9 @@ pub fn follow_by<const P: usize>(
 /// State at the end of a part of `series`, with N's constraints restored and turned by the winding: at infinity, too.
 fn crossing<const P: usize>(hole: &UnitHole, series: &Series<P>, h: f64) -> MinoState {
     let moved = series.at(hole, h);
-    let (sin, cos) = libm::sincos(moved.winding);
-    let turned = |n: glam::DVec3| glam::DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z);
-    let n = turned(moved.state.n.normalize());
-    let m = turned(moved.state.m);
+    let angle = libm::sincos(moved.winding);
+    let n = turned_by(angle, moved.state.n.normalize());
+    let m = turned_by(angle, moved.state.m);
     MinoState { n, m: m - m.dot(n) * n, ..moved.state }
 }
 

@@ -21,6 +21,12 @@ pub(super) fn about_axis(n: DVec3) -> DVec3 {
     DVec3::new(-n.y, n.x, 0.0)
 }
 
+/// A vector turned about z by the angle of this sine and cosine.
+#[inline(always)]
+pub(super) fn turned_by((sin, cos): (f64, f64), n: DVec3) -> DVec3 {
+    DVec3::new(cos * n.x - sin * n.y, sin * n.x + cos * n.y, n.z)
+}
+
 impl UnitHole {
     /// A hole of spin `a` and charge `e`, both over the mass.
     pub fn new(a: f64, e: f64) -> Self {

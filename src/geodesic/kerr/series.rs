@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::constants::Constants;
 use super::hole::UnitHole;
 use super::state::MinoState;
+use crate::math::cauchy::{product, square};
 use crate::math::sin_cos_turns;
 
 /// Coefficients of powers 0 to `P` − 1 of λ.
@@ -23,27 +24,6 @@ pub struct Series<const P: usize> {
     pub n: [[f64; P]; 3],
     /// Of G, up to the power P − 3.
     pub winding: [f64; P],
-}
-
-/// Sum of products a_i b_{n−i}.
-#[inline(always)]
-fn product<const P: usize>(a: &[f64; P], b: &[f64; P], n: usize) -> f64 {
-    let mut sum = a[0] * b[n];
-    for i in 1..n + 1 {
-        sum += a[i] * b[n - i];
-    }
-    sum
-}
-
-/// Sum of products a_i a_{n−i}, by symmetry.
-#[inline(always)]
-fn square<const P: usize>(a: &[f64; P], n: usize) -> f64 {
-    let mut sum = 0.0;
-    for i in 0..n.div_ceil(2) {
-        sum += a[i] * a[n - i];
-    }
-    sum += sum;
-    if n.is_multiple_of(2) { sum + a[n / 2] * a[n / 2] } else { sum }
 }
 
 /// Sum from power 2 on at `h`, and its derivative.

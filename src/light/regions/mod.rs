@@ -1,9 +1,10 @@
 //! Regions: light sampling around a spinning hole, where no formula joins two places.
 //!
 //! For each winding number, an aim that is exact to first order in the spin, from a table of orbits, tells about where a
-//! light is seen: a region of directions around that, from which one is drawn evenly. The regions are a function of the receiver and the light
-//! alone, so that a ray found by BSDF sampling has the density with which it could have been drawn; what they miss, and
-//! lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts, from wherever it comes.
+//! light is seen: a region of directions around that, from which one is drawn evenly. The regions are a function of the
+//! receiver and the light alone, so that a ray found by BSDF sampling has the density with which it could have been
+//! drawn; what they miss, and lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts,
+//! from wherever it comes.
 //!
 //! Point, spot and distant lights are found by true connections; the sky is left to BSDF sampling.
 
@@ -17,8 +18,10 @@ use glam::DVec3;
 use super::aim::Link;
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
-use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
-use super::sampler::{LightSampler, distant_sample, point_sample};
+use super::sample::{EmitterHit, LightRayEnd, LightSample, Target};
+use super::sampler::{
+    LightSampler, distant_sample, point_sample, reaches_emitter, region_density, region_sample,
+};
 use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole};
 use crate::spacetime::{AtInfinity, RestFrame};
 use connected::{light_at_infinity, light_place};
@@ -53,11 +56,7 @@ impl LightSampler for Regions {
             ChosenLight::Surface(emitter, pmf) => {
                 let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around)?;
                 let (direction, density) = view.sample(u)?;
-                Some(LightSample {
-                    direction: self.place.outwards(direction),
-                    target: Target::Surface(emitter.primitive, emitter.middle()),
-                    light: Incoming::Radiance(emitter.radiance, pmf * density),
-                })
+                Some(region_sample(emitter, self.place.outwards(direction), pmf * density))
             }
             ChosenLight::Point(_, light, index, pmf) => {
                 let to = light_place(&self.place, light.position()?)?;
@@ -80,13 +79,10 @@ impl LightSampler for Regions {
         direction: DVec3,
         hit: &EmitterHit,
     ) -> f64 {
-        let Some((emitter, index)) = lights.emitter(hit.primitive) else { return 0.0 };
-        let pmf = lights.emitter_pmf(index, receiver);
-        if pmf == 0.0 {
-            return 0.0;
-        }
-        let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around);
-        pmf * view.map_or(0.0, |view| view.density(self.place.inwards(direction)))
+        region_density(lights, receiver, hit, |emitter| {
+            let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around);
+            view.map_or(0.0, |view| view.density(self.place.inwards(direction)))
+        })
     }
 
     /// The sky is left to BSDF sampling.
@@ -95,12 +91,10 @@ impl LightSampler for Regions {
     }
 
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool {
-        let Target::Surface(wanted, _) = target else { return false };
-        let Some((emitter, _)) = lights.emitter(end.primitive).filter(|_| end.primitive == wanted) else {
-            return false;
-        };
-        let [normal] = self.frame.normals(end.position, [emitter.normal_at(end.position)]);
-        emitter.both_sides || end.direction.dot(normal) < 0.0
+        reaches_emitter(lights, target, end, |normal| {
+            let [normal] = self.frame.normals(end.position, [normal]);
+            normal
+        })
     }
 
     fn samples_sky(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::geodesic::kerr::{OrbitTable, PlaneRay, TablePlace, turned};
+use crate::geodesic::kerr::{OrbitTable, PlaneRay, TablePlace, turned, with_own_turn};
 
 /// Ray along which a place is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,11 +19,6 @@ pub struct Sight {
     winding: u32,
 }
 
-/// Most rays while the winding about the axis is found.
-const MAX_RAYS: usize = 8;
-/// Largest change of a guess, radians.
-const LARGEST_TURN: f64 = 0.7;
-
 impl Sight {
     /// The ray to a place with this winding number; its winding about the axis is known within `tolerance`, radians.
     pub fn of(
@@ -32,25 +27,11 @@ impl Sight {
         winding: u32,
         tolerance: f64,
     ) -> Option<Self> {
-        let mut turn = to.chart_turn - from.chart_turn;
-        // Of the secant: the guess before and how far off it was.
-        let mut before: Option<(f64, f64)> = None;
-        let mut ray = table.ray_to(from, to, winding, turn);
-        for _ in 1..MAX_RAYS {
-            let miss = ray.turn - turn;
-            if miss.abs() < tolerance {
-                break;
-            }
-            let step = match before {
-                Some((guess, missed)) if (miss - missed).abs() > 0.3 * (turn - guess).abs() => {
-                    -miss * (turn - guess) / (miss - missed)
-                }
-                _ => miss,
-            };
-            before = Some((turn, miss));
-            turn += step.clamp(-LARGEST_TURN, LARGEST_TURN);
-            ray = table.ray_to(from, to, winding, turn);
-        }
+        let guess = to.chart_turn - from.chart_turn;
+        let (ray, turn) = with_own_turn(guess, tolerance, |turn, _: Option<&PlaneRay>| {
+            let ray = table.ray_to(from, to, winding, turn);
+            Some((ray, ray.turn))
+        })?;
         let PlaneRay { tangent, angle, alpha, .. } = ray;
         let direction = table.direction(from, tangent, alpha)?;
         let across = turned(from.place.n.cross(tangent), turn);

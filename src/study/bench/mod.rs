@@ -16,7 +16,7 @@ mod vary;
 
 pub(crate) use contender::Contender;
 pub(crate) use point::Point;
-pub(crate) use previous::{Previous, PreviousError};
+pub(crate) use previous::Previous;
 pub(crate) use race::{Bench, Race};
 pub(crate) use record::BenchRecord;
 pub(crate) use report::report;

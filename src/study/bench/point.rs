@@ -21,6 +21,15 @@ pub struct Point {
     pub batch: usize,
 }
 
+#[cfg(test)]
+impl Point {
+    /// A point of flat space.
+    pub(super) fn flat() -> Self {
+        let (spacetime, settings) = (SpacetimeKind::Flat, Settings::default());
+        Self { value: None, scene: 0, spacetime, settings, threads: 1, batch: 8 }
+    }
+}
+
 impl Point {
     /// The scene as it is, rendered by `run`.
     pub fn of(scene: &Baked, run: &Run) -> Self {

@@ -3,13 +3,15 @@
 //! Both builds did not take turns, so that their ratio is that of CPU times on a machine that may have changed: worth
 //! less than ratios within a race.
 
-use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::path::Path;
 
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::point::Point;
 use super::race::{Race, Runs};
+use crate::study::compare::Mismatch;
 use crate::study::estimate::Estimate;
 use crate::study::table::{Table, TableRow, with_error};
 use crate::trace::StageTimes;
@@ -22,26 +24,18 @@ pub struct Previous {
     record: Record,
 }
 
-/// Error: a file holds no races, or other ones.
-#[derive(Debug, thiserror::Error)]
-#[error("{cause}")]
-pub struct PreviousError {
-    /// Problem, in words.
-    pub cause: String,
-    /// Remedy.
-    pub remedy: &'static str,
-}
-
 #[derive(Debug, Deserialize)]
 struct Record {
+    scene: String,
     points: Vec<RecordedPoint>,
 }
 
 #[derive(Debug, Deserialize)]
 struct RecordedPoint {
     value: Option<f64>,
+    schwarzschild_radius: f64,
     batch: usize,
-    settings: BTreeMap<String, Value>,
+    settings: Map<String, Value>,
     contenders: Vec<RecordedContender>,
 }
 
@@ -64,37 +58,36 @@ impl Previous {
     ///
     /// # Errors
     /// If it is not what `bench` writes.
-    pub fn read(name: &str, json: &[u8]) -> Result<Self, PreviousError> {
-        let record: Record = serde_json::from_slice(json).map_err(|error| PreviousError {
+    pub fn read(name: &str, json: &[u8]) -> Result<Self, Mismatch> {
+        let record: Record = serde_json::from_slice(json).map_err(|error| Mismatch {
             cause: format!("`{name}` is no record of races: {error}"),
             remedy: "give the PREFIX.json that `bench -o PREFIX` wrote",
         })?;
         Ok(Self { name: name.to_owned(), record })
     }
 
-    /// Refuses points that were not measured, or under other settings. What only one of the builds knows may differ.
+    /// Refuses a scene file of another name, and points that were not measured, or under other conditions. What only one
+    /// of the builds knows may differ.
     ///
     /// # Errors
-    /// Names the point, or the setting and both of its values.
-    pub fn check(&self, points: &[Point]) -> Result<(), PreviousError> {
+    /// Names the point, or the condition and both of its values.
+    pub fn check(&self, scene: &str, points: &[Point]) -> Result<(), Mismatch> {
         let refuse = |cause: String| {
-            Err(PreviousError { cause, remedy: "measure both builds with the same scene and flags" })
+            Err(Mismatch { cause, remedy: "measure both builds with the same scene and flags" })
         };
+        let file = |path: &str| Path::new(path).file_name().map(OsStr::to_os_string);
+        if file(scene) != file(&self.record.scene) {
+            return refuse(format!("`{}` was measured with scene `{}`", self.name, self.record.scene));
+        }
         for point in points {
             let Some(recorded) = self.at(point) else {
                 let value =
                     point.value.map_or("a race without a sweep".to_owned(), |value| value.to_string());
                 return refuse(format!("`{}` has not measured {value}", self.name));
             };
-            let Ok(Value::Object(settings)) = serde_json::to_value(&point.settings) else { continue };
-            let batch = ("batch".to_owned(), Value::from(point.batch));
-            for (name, now) in settings.into_iter().chain([batch]) {
-                let then = if name == "batch" {
-                    Some(Value::from(recorded.batch))
-                } else {
-                    recorded.settings.get(&name).cloned()
-                };
-                if let Some(then) = then.filter(|then| *then != now) {
+            let before = recorded.conditions();
+            for (name, now) in conditions(point) {
+                if let Some(then) = before.get(&name).filter(|then| **then != now) {
                     return refuse(format!("`{}` was measured with {name} {then}, this is {now}", self.name));
                 }
             }
@@ -136,6 +129,26 @@ impl Previous {
             }
         };
         both.map(text).collect()
+    }
+}
+
+/// Conditions of a point by name.
+fn conditions(point: &Point) -> Map<String, Value> {
+    let settings = match serde_json::to_value(&point.settings) {
+        Ok(Value::Object(settings)) => settings,
+        Ok(_) | Err(_) => Map::new(),
+    };
+    let (radius, batch) = (point.spacetime.schwarzschild_radius(), point.batch);
+    RecordedPoint { value: None, schwarzschild_radius: radius, batch, settings, contenders: Vec::new() }
+        .conditions()
+}
+
+impl RecordedPoint {
+    fn conditions(&self) -> Map<String, Value> {
+        let mut conditions = self.settings.clone();
+        conditions.insert("batch".to_owned(), self.batch.into());
+        conditions.insert("schwarzschild_radius".to_owned(), self.schwarzschild_radius.into());
+        conditions
     }
 }
 
@@ -181,20 +194,11 @@ fn stages(runs: &Runs, before: &RecordedContender) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Settings;
-    use crate::spacetime::SpacetimeKind;
     use crate::study::bench::{BenchRecord, Contender};
     use crate::trace::Stats;
 
     fn race(cpu_seconds: f64) -> Race {
-        let point = Point {
-            value: None,
-            scene: 0,
-            spacetime: SpacetimeKind::Flat,
-            settings: Settings::default(),
-            threads: 1,
-            batch: 8,
-        };
+        let point = Point::flat();
         let mut stats = Stats { cpu_seconds, ..Stats::default() };
         stats.counters.paths = 100;
         stats.stages.occupancy.count(1, 8, 8);
@@ -219,13 +223,14 @@ mod tests {
     fn other_settings_are_refused_by_name() {
         let previous = recorded(race(2.0));
         let mut point = race(1.0).point;
-        previous.check(std::slice::from_ref(&point)).unwrap();
+        previous.check("old/scene.toml", std::slice::from_ref(&point)).unwrap();
+        assert!(previous.check("other.toml", &[]).unwrap_err().cause.contains("scene.toml"));
         point.settings.spp += 1;
-        let cause = previous.check(&[point.clone()]).unwrap_err().cause;
+        let cause = previous.check("scene.toml", &[point.clone()]).unwrap_err().cause;
         assert!(cause.contains("spp"), "{cause}");
         (point.settings.spp, point.batch) = (point.settings.spp - 1, 16);
-        assert!(previous.check(&[point.clone()]).unwrap_err().cause.contains("batch"));
+        assert!(previous.check("scene.toml", &[point.clone()]).unwrap_err().cause.contains("batch"));
         (point.batch, point.value) = (8, Some(3.0));
-        assert!(previous.check(&[point]).unwrap_err().cause.contains("has not measured 3"));
+        assert!(previous.check("scene.toml", &[point]).unwrap_err().cause.contains("has not measured 3"));
     }
 }

@@ -174,8 +174,6 @@ impl Runs {
 mod tests {
     use super::*;
     use crate::film::Channel;
-    use crate::scene::Settings;
-    use crate::spacetime::SpacetimeKind;
 
     fn all(contender: Contender, seconds: &[f64]) -> Runs {
         let stats = |&cpu_seconds: &f64| Stats { cpu_seconds, threads: 2, ..Stats::default() };
@@ -184,14 +182,7 @@ mod tests {
 
     #[test]
     fn ratios_are_taken_within_rounds() {
-        let point = Point {
-            value: None,
-            scene: 0,
-            spacetime: SpacetimeKind::Flat,
-            settings: Settings::default(),
-            threads: 1,
-            batch: 8,
-        };
+        let point = Point::flat();
         // The machine was ten times as slow in the second round.
         let runs =
             vec![all(Contender::Wavefront, &[1.0, 10.0, 1.0]), all(Contender::PerPixel, &[1.5, 15.0, 1.5])];

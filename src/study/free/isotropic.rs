@@ -10,9 +10,9 @@ use super::super::table::number_cell;
 use super::lengths::Lengths;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
-use crate::geodesic::kerr::{UsePowers, with_powers};
 use crate::geodesic::{
-    ArealSeries, Control, Launch, OrbitEnd, OrbitStepper, Phase, Stepper, elapsed, follow,
+    ArealSeries, Control, Launch, OrbitEnd, OrbitStepper, Phase, Stepper, UsePowers, elapsed, follow,
+    with_powers,
 };
 use crate::math::cross_exact;
 use crate::math::dual::Dual;

@@ -2,8 +2,7 @@
 //! infinity is an ordinary root of them.
 
 use super::flight::{CurvedFlight, Lane};
-use crate::geodesic::kerr::{UsePowers, with_powers};
-use crate::geodesic::{ArealSeries, Control, OrbitStepper, Phase};
+use crate::geodesic::{ArealSeries, Control, OrbitStepper, Phase, UsePowers, with_powers};
 use crate::math::columns::{LANES, Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, update};
 use crate::spacetime::{ConformallyFlat, ReissnerNordstrom, StaticHole};

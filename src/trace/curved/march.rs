@@ -4,9 +4,9 @@
 use super::super::steppers::{UseStepper, with_stepper};
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::span::Span;
-use crate::geodesic::kerr::{UsePowers, with_powers};
 use crate::geodesic::{
-    ArealSeries, Control, OrbitEnd, OrbitStepper, Phase, StepVerdict, Stepper, fit_arc, follow, until,
+    ArealSeries, Control, OrbitEnd, OrbitStepper, Phase, StepVerdict, Stepper, UsePowers, fit_arc, follow,
+    until, with_powers,
 };
 use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};

@@ -231,7 +231,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
             // Few rays end without landing: what was found is seldom asked for.
             let status = flights.get(lane).status;
             if status != FlightStatus::Flies && found.is_none() {
-                if status == FlightStatus::Leaves && self.sky && self.way_out.is_some() {
+                if status == FlightStatus::Leaves && self.way_out.is_some() {
                     leaving.push(lane);
                 } else {
                     end(lane, self.outcome(&flights.get(lane)), ());

@@ -6,10 +6,9 @@ use glam::DVec3;
 use super::flight::{SpinningFlight, SpinningMove};
 use super::span::SpinningSpan;
 use crate::geodesic::kerr::{
-    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UnitHole, UsePowers, dense_displacement,
-    with_powers,
+    MinoState, PlacedHole, Series, SeriesControl, SeriesStep, UnitHole, dense_displacement,
 };
-use crate::geodesic::{SpaceArc, fit_sampled_arc};
+use crate::geodesic::{SpaceArc, UsePowers, fit_sampled_arc, with_powers};
 use crate::geometry::PrimitiveId;
 use crate::math::columns::Row;
 use crate::math::fast_log2;

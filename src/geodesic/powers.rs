@@ -1,4 +1,4 @@
-//! Length of the series by the tolerance: compiled once for each.
+//! Length of Taylor series by the tolerance: compiled once for each.
 
 /// Work with series of a number of coefficients.
 pub trait UsePowers {
