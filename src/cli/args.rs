@@ -191,7 +191,7 @@ pub(super) struct StudyArgs {
     /// Spacetime that the rays of --rays are in
     #[arg(
         long,
-        value_parser = rays_table::spacetime_of_rays(),
+        value_parser = rays_table::spacetime(),
         value_name = "NAME",
         default_value = "schwarzschild",
         conflicts_with = "scene"
@@ -306,7 +306,7 @@ pub(super) struct TraceArgs {
     #[arg(value_name = "RAYS.csv")]
     pub(super) rays: PathBuf,
     /// Spacetime that the rays are in
-    #[arg(long, value_parser = rays_table::spacetime_of_rays(), value_name = "NAME")]
+    #[arg(long, value_parser = rays_table::spacetime(), value_name = "NAME")]
     pub(super) spacetime: &'static Entry,
     /// CSV file to write [default: standard output]
     #[arg(short, long, value_name = "OUT.csv")]

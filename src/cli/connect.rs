@@ -13,53 +13,8 @@ use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup};
 use super::table::{TableHeader, line};
 use super::units::{decimal, plural};
-use crate::spacetime::{Entry, SpacetimeKind};
-use crate::study::connections::{Joiner, Joint, Joints, PointPair};
-use crate::study::spinning_connections::{self, SpinningJoint};
-use crate::study::table::number_cell;
-
-/// Columns of the points of a pair; copied, as those of the spacetime.
-const POINTS: [&str; 6] = ["x0", "x1", "x2", "y0", "y1", "y2"];
-/// Columns that are found around a centre.
-const RESULTS: [&str; 14] = [
-    "winding",
-    "Phi",
-    "b",
-    "dx0",
-    "dx1",
-    "dx2",
-    "dy0",
-    "dy1",
-    "dy2",
-    "t",
-    "G_xy",
-    "G_yx",
-    "nu_x_over_nu_y",
-    "swing",
-];
-/// Columns that are found around a spinning hole.
-const SPINNING_RESULTS: [&str; 20] = [
-    "image",
-    "images",
-    "dx0",
-    "dx1",
-    "dx2",
-    "px0",
-    "px1",
-    "px2",
-    "dy0",
-    "dy1",
-    "dy2",
-    "py0",
-    "py1",
-    "py2",
-    "t",
-    "G_xy",
-    "G_yx",
-    "nu_x_over_nu_y",
-    "swept",
-    "sens",
-];
+use crate::spacetime::Entry;
+use crate::study::join::{JoinForm, Joints, LensCache, POINTS, PointPair};
 
 /// Finds the rays that join the points of every pair of a table.
 pub(super) fn run(args: &ConnectArgs) -> Result<Completion, Failure> {
@@ -89,23 +44,17 @@ struct ConnectionCounts {
     hidden: usize,
 }
 
-/// Cells of the connections of a pair, and the number of those that rounding hides.
-struct Connections {
-    rows: Vec<Vec<String>>,
-    hidden: usize,
-}
-
 struct ConnectJob {
-    joiner: Joiner,
-    /// True around a spinning hole.
-    spins: bool,
+    form: &'static JoinForm,
+    lenses: LensCache,
     max_winding: u32,
     header: TableHeader,
     spacetime: Parameters,
     /// Columns of labels, if there are any, and of inputs.
     pair: Option<usize>,
     kind: Option<usize>,
-    inputs: Vec<(&'static str, usize)>,
+    points: Vec<(&'static str, usize)>,
+    optional: Vec<(&'static str, Option<usize>)>,
     /// Line and inputs of the labels that have been met.
     met: HashMap<Vec<u8>, (u64, PointPair)>,
     /// Rows read.
@@ -115,28 +64,28 @@ struct ConnectJob {
 
 impl ConnectJob {
     fn new(header: &TableHeader, spacetime: &'static Entry, max_winding: u32) -> Result<Self, Failure> {
-        let spins = match spacetime.example() {
-            SpacetimeKind::Spinning { .. } => true,
-            SpacetimeKind::Flat
-            | SpacetimeKind::Spherical { .. }
-            | SpacetimeKind::Wormhole { .. }
-            | SpacetimeKind::Indexed(_) => false,
-        };
-        let spacetime = Parameters::find(header, spacetime, &POINTS)?;
-        let points = header.all(&POINTS)?;
+        let form = JoinForm::of(spacetime);
+        let optional = form.optional.iter().map(|&name| Ok((name, header.place(name)?)));
         Ok(Self {
-            joiner: Joiner::default(),
-            spins,
+            form,
+            lenses: LensCache::default(),
             max_winding,
             pair: header.place("pair")?,
             kind: header.place("kind")?,
-            inputs: spacetime.places().chain(points).collect(),
-            spacetime,
+            spacetime: Parameters::find(header, spacetime, &POINTS)?,
+            points: header.all(&POINTS)?,
+            optional: optional.collect::<Result<_, Failure>>()?,
             header: header.clone(),
             met: HashMap::new(),
             rows: 0,
             counts: ConnectionCounts::default(),
         })
+    }
+
+    /// Columns that are copied, and their places.
+    fn inputs(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        let optional = self.optional.iter().filter_map(|&(name, place)| Some((name, place?)));
+        self.spacetime.places().chain(self.points.iter().copied()).chain(optional)
     }
 
     /// Looks up a label, and adds it if it is new: true if a pair of this label has been met before.
@@ -158,28 +107,27 @@ impl ConnectJob {
 
 impl RowWise for ConnectJob {
     type Task = Task;
-    type Answer = Connections;
+    type Answer = Joints;
 
     fn settings(&self) -> String {
         format!("connect --spacetime {} --max-winding {}", self.spacetime.name(), self.max_winding)
     }
 
     fn names(&self) -> Vec<&'static str> {
-        let inputs = self.inputs.iter().map(|(name, _)| *name);
-        let results = if self.spins { &SPINNING_RESULTS[..] } else { &RESULTS };
-        ["pair", "kind"].into_iter().chain(inputs).chain(results.iter().copied()).collect()
+        let inputs = self.inputs().map(|(name, _)| name);
+        ["pair", "kind"].into_iter().chain(inputs).chain(self.form.results.iter().copied()).collect()
     }
 
     fn read(&mut self, row: ByteRecord) -> Result<Option<Task>, Failure> {
         self.rows += 1;
         let mut points = [0.0; POINTS.len()];
-        let places = &self.inputs[self.inputs.len() - POINTS.len()..];
-        for (number, &(name, place)) in points.iter_mut().zip(places) {
+        for (number, &(name, place)) in points.iter_mut().zip(&self.points) {
             *number = self.header.number(&row, name, place)?;
         }
-        let spacetime = self.spacetime.of(&self.header, &row)?;
-        let pair =
-            PointPair { spacetime, x: DVec3::from_slice(&points[0..3]), y: DVec3::from_slice(&points[3..6]) };
+        let [x, y] = [0, 3].map(|first| DVec3::from_slice(&points[first..first + 3]));
+        let optional = self.optional.iter().map(|&(name, place)| self.header.maybe(&row, name, place));
+        let optional = optional.collect::<Result<_, Failure>>()?;
+        let pair = PointPair { spacetime: self.spacetime.of(&self.header, &row)?, x, y, optional };
         let label = match self.pair {
             Some(place) => {
                 let label = row.get(place).unwrap_or_default();
@@ -193,38 +141,22 @@ impl RowWise for ConnectJob {
         Ok(Some(Task { row, label, pair }))
     }
 
-    fn answer(&self, task: &Task) -> Result<Connections, Failure> {
-        let joined = if self.spins {
-            spinning_connections::join(&task.pair, self.max_winding).map(|Joints { found, hidden }| {
-                let rows = found.iter().enumerate();
-                let rows = rows.map(|(i, joint)| spinning_results(joint, i + 1, found.len()).to_vec());
-                Connections { rows: rows.collect(), hidden }
-            })
-        } else {
-            self.joiner.join(&task.pair, self.max_winding).map(|Joints { found, hidden }| Connections {
-                rows: found.iter().map(|joint| results(joint).to_vec()).collect(),
-                hidden,
-            })
-        };
+    fn answer(&self, task: &Task) -> Result<Joints, Failure> {
+        let joined = (self.form.join)(&self.lenses, &task.pair, self.max_winding);
         joined.map_err(|error| self.header.refuse(line(&task.row), &error))
     }
 
-    fn write(
-        &mut self,
-        task: &Task,
-        found: &Connections,
-        out: &mut csv::Writer<impl Write>,
-    ) -> csv::Result<()> {
+    fn write(&mut self, task: &Task, joints: &Joints, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
         let text = |place: usize| task.row.get(place).unwrap_or_default();
-        for results in &found.rows {
+        for results in &joints.found {
             out.write_field(&task.label)?;
             out.write_field(self.kind.map_or(&b""[..], text))?;
-            self.inputs.iter().try_for_each(|&(_, place)| out.write_field(text(place)))?;
+            self.inputs().try_for_each(|(_, place)| out.write_field(text(place)))?;
             out.write_record(results)?;
         }
         self.counts.pairs += 1;
-        self.counts.connections += found.rows.len();
-        self.counts.hidden += found.hidden;
+        self.counts.connections += joints.found.len();
+        self.counts.hidden += joints.hidden;
         Ok(())
     }
 
@@ -242,52 +174,4 @@ impl RowWise for ConnectJob {
     fn lost(&self) -> usize {
         self.counts.hidden
     }
-}
-
-/// The cells of [`RESULTS`].
-fn results(joint: &Joint) -> [String; RESULTS.len()] {
-    let Joint { direction: dx, arrival: dy, .. } = joint;
-    [
-        joint.winding.to_string(),
-        number_cell(joint.swept),
-        number_cell(joint.b),
-        number_cell(dx.x),
-        number_cell(dx.y),
-        number_cell(dx.z),
-        number_cell(dy.x),
-        number_cell(dy.y),
-        number_cell(dy.z),
-        number_cell(joint.time),
-        number_cell(joint.spread),
-        number_cell(joint.reversed_spread),
-        number_cell(joint.frequency_ratio),
-        number_cell(joint.swing),
-    ]
-}
-
-/// The cells of [`SPINNING_RESULTS`], of the ray that arrives as the `image`th of all `images`.
-fn spinning_results(joint: &SpinningJoint, image: usize, images: usize) -> [String; SPINNING_RESULTS.len()] {
-    let SpinningJoint { directions: [dx, dy], momenta: [px, py], .. } = joint;
-    [
-        image.to_string(),
-        images.to_string(),
-        number_cell(dx.x),
-        number_cell(dx.y),
-        number_cell(dx.z),
-        number_cell(px.x),
-        number_cell(px.y),
-        number_cell(px.z),
-        number_cell(dy.x),
-        number_cell(dy.y),
-        number_cell(dy.z),
-        number_cell(py.x),
-        number_cell(py.y),
-        number_cell(py.z),
-        number_cell(joint.time),
-        number_cell(joint.spread),
-        number_cell(joint.reversed_spread),
-        number_cell(joint.frequency_ratio),
-        number_cell(joint.swept),
-        number_cell(joint.sens),
-    ]
 }

@@ -9,19 +9,10 @@ use super::table::TableHeader;
 use crate::spacetime::{Entry, LISTED, Listed, Parameter, SPACETIMES, SpacetimeKind};
 use crate::study::free::{Cells, TableForm};
 
-/// Reads `--spacetime`: a name from the table of all.
+/// Reads `--spacetime`: a name from the table of all, or of those whose holes are in the rows.
 pub(super) fn spacetime() -> impl TypedValueParser<Value = &'static Entry> {
-    named(SPACETIMES.iter().copied())
-}
-
-/// Reads `--spacetime` of rays, of which the holes may be in the rows.
-pub(super) fn spacetime_of_rays() -> impl TypedValueParser<Value = &'static Entry> {
     let in_rows = LISTED.iter().filter(|entry| entry.listed == Some(Listed::Holes));
-    named(SPACETIMES.iter().chain(in_rows).copied())
-}
-
-/// Reads the name of one of these spacetimes.
-fn named(entries: impl Iterator<Item = &'static Entry>) -> impl TypedValueParser<Value = &'static Entry> {
+    let entries = SPACETIMES.iter().chain(in_rows).copied();
     let value = |entry: &'static Entry| PossibleValue::new(entry.name).help(entry.summary);
     let names = PossibleValuesParser::new(entries.map(value));
     names.try_map(|name| Entry::named(&name).ok_or("not a spacetime"))
@@ -135,16 +126,10 @@ impl RayColumns {
     /// The ray of a row.
     pub(super) fn ray(&self, row: &ByteRecord) -> Result<(SpacetimeKind, Cells), Failure> {
         let spacetime = self.spacetime.of(&self.header, row)?;
-        let number = |name: &str, place: usize| self.header.number(row, name, place);
-        let maybe = |&(name, place): &(&str, Option<usize>)| match place {
-            Some(place) if row.get(place).is_some_and(|text| !text.is_empty()) => {
-                number(name, place).map(Some)
-            }
-            _ => Ok(None),
-        };
         let needed: Result<Vec<f64>, Failure> =
-            self.needed.iter().map(|&(name, place)| number(name, place)).collect();
-        let optional: Result<Vec<Option<f64>>, Failure> = self.optional.iter().map(maybe).collect();
+            self.needed.iter().map(|&(name, place)| self.header.number(row, name, place)).collect();
+        let optional: Result<Vec<Option<f64>>, Failure> =
+            self.optional.iter().map(|&(name, place)| self.header.maybe(row, name, place)).collect();
         Ok((spacetime, Cells { needed: needed?, optional: optional? }))
     }
 }

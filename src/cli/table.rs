@@ -138,6 +138,17 @@ impl TableHeader {
         })
     }
 
+    /// The number in the column `name` at `place`; `None` in an empty cell and without the column.
+    pub(super) fn maybe(
+        &self,
+        row: &ByteRecord,
+        name: &str,
+        place: Option<usize>,
+    ) -> Result<Option<f64>, Failure> {
+        let filled = place.filter(|&place| row.get(place).is_some_and(|text| !text.is_empty()));
+        filled.map(|place| self.number(row, name, place)).transpose()
+    }
+
     /// Failure of a line whose ray cannot be followed, or whose points cannot be joined.
     pub(super) fn refuse(&self, line: u64, error: &InputError) -> Failure {
         let place = match error.input {

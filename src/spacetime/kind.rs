@@ -474,14 +474,14 @@ impl SpacetimeKind {
         self.entry().with(self.placement(), &values)
     }
 
-    /// The spacetime about its centre in units of its first length, and that length: what scales with it is computed
-    /// once.
-    pub fn in_units(&self) -> Option<(Metric, f64)> {
-        let is_length = |parameter: &Parameter| parameter.range == Range::Length;
+    /// The spacetime about the origin in units of its first length, and that length: what scales with it is computed once.
+    /// `None` of flat space.
+    pub fn in_units(&self) -> Option<(Self, f64)> {
+        let is_length = |parameter: &Parameter| matches!(parameter.range, Range::Length | Range::Extent);
         let (_, unit) = self.parameters().find(|(parameter, _)| is_length(parameter))?;
         let scaled = |(parameter, value)| if is_length(parameter) { value / unit } else { value };
         let values: Vec<f64> = self.parameters().map(scaled).collect();
-        self.entry().with(DVec3::ZERO, &values).medium().map(|(_, metric)| (metric, unit))
+        Some((self.entry().with(DVec3::ZERO, &values), unit))
     }
 
     /// Does `visitor`'s work in the family that the spacetime is of.

@@ -71,7 +71,9 @@ mod commands {
     mod cli;
     mod compare;
     mod connect;
+    mod connect_several_holes;
     mod connect_spinning;
+    mod connect_wormholes;
     mod endings;
     mod forecast;
     mod rays;

@@ -12,6 +12,8 @@
 //! singularities next to the real axis lie on the imaginary one, and y, z = δ sinh v takes the nearest, ±i δ, and those
 //! behind it to ±i π/2.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::connection::Connection;
 use super::map::{Lens, Site};
 use super::rules::{LANES, Lanes};
@@ -33,12 +35,14 @@ impl Lens {
         let away = [(x, ray.direction, sides[0]), (y, ray.arrival, sides[1])]
             .map(|(site, direction, side)| side * direction.dot(site.radial));
         let turns = away[0] < 0.0 && away[1] > 0.0;
-        let action = if sides[0] == sides[1] && (turns || ray.b > self.critical) {
+        let action = if !x.is_beyond(y) && (turns || ray.b > self.critical) {
             let [from, to] = [0, 1].map(|end| libm::asinh(away[end] / (ray.b * [x, y][end].q)));
             self.action_beside(ray.b, 0.5 * (from + to), ray.line, sides[0])
         } else {
             let [from, to] = [x, y].map(|site| libm::asinh(site.s / (self.critical * site.q).sqrt()));
-            self.action_through((ray.b / self.critical).min(1.0), from.min(to), from.max(to))
+            let share = (ray.b / self.critical).min(1.0);
+            let within = self.critical * (x.depth - y.depth).abs() * ((1.0 - share) * (1.0 + share)).sqrt();
+            within + self.action_through(share, from.min(to), from.max(to))
         };
         ray.b * ray.swept + action
     }
@@ -64,7 +68,9 @@ impl Lens {
 
     /// W of a ray of impact parameter `share` b_c, at most b_c, between two values of z.
     fn action_through(&self, share: f64, low: f64, high: f64) -> f64 {
-        let nearest = libm::asin((1.0 - share).sqrt());
+        // That of h is at s = ±i `waist`.
+        let singular = if self.through.is_some() { FRAC_PI_2 } else { libm::atan(self.waist) };
+        let nearest = libm::asin((1.0 - share).sqrt()).min(singular);
         let part = |low: f64, high: f64, fit: &Chebyshev, flat: f64| {
             if low >= high {
                 return 0.0;

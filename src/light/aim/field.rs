@@ -135,15 +135,41 @@ impl<F: IndexField> FieldAim<F> {
     ) -> Option<FieldConnection> {
         let limits = JoinLimits { enough, linear: 0.0, corrections: CORRECTIONS };
         let found = self.connect(control, ends, way, limits)?;
-        let spread = enough * (found.turns[0].length() + found.turns[1].length());
-        let same = SAME[0] + SAME[1] * spread;
         let mut before = self.ways(ends.0, ends.1).map(|(way, _)| way).take_while(|before| *before != way);
         let is_known = before.any(|before| {
             let other = self.connect(control, ends, before, limits);
-            other.is_some_and(|other| other.direction.distance(found.direction) <= same)
+            other.is_some_and(|other| is_same(&other, &found, enough))
         });
         (!is_known).then_some(found)
     }
+
+    /// All rays that miss their target by no more than `enough`, as far as they are found: along the ways, and from as
+    /// many directions as `others` gives.
+    pub fn images(
+        &self,
+        control: &FieldControl,
+        (x, target): (DVec3, FieldTarget),
+        others: impl Iterator<Item = DVec3>,
+        enough: f64,
+    ) -> Vec<FieldConnection> {
+        let limits = JoinLimits { enough, linear: 0.0, corrections: CORRECTIONS };
+        let guesses = self.ways(x, target).filter_map(|(way, _)| self.guess(x, target, way));
+        let mut images: Vec<FieldConnection> = Vec::new();
+        for guess in guesses.chain(others) {
+            if let Some(found) = join_in_field(&self.field, control, (x, guess), target, limits)
+                && images.iter().all(|known| !is_same(known, &found, enough))
+            {
+                images.push(found);
+            }
+        }
+        images
+    }
+}
+
+/// True of connections that miss by no more than `enough` and are one.
+fn is_same(one: &FieldConnection, other: &FieldConnection, enough: f64) -> bool {
+    let spread = enough * (other.turns[0].length() + other.turns[1].length());
+    one.direction.distance(other.direction) <= SAME[0] + SAME[1] * spread
 }
 
 impl LoneHole {

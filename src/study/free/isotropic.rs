@@ -6,8 +6,8 @@ use std::marker::PhantomData;
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
+use super::super::lengths::Lengths;
 use super::super::table::number_cell;
-use super::lengths::Lengths;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{

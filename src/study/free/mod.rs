@@ -8,7 +8,6 @@ mod accuracy;
 mod forms;
 mod free_ray_end;
 pub mod isotropic;
-mod lengths;
 mod sensitivity;
 mod several_holes;
 pub(super) mod spinning;
@@ -17,4 +16,5 @@ mod through_throat;
 
 pub use accuracy::Accuracy;
 pub use free_ray_end::FreeRayEnd;
+pub(super) use table_form::other_chart;
 pub use table_form::{Arrival, Cells, SphereCrossing, TableForm, Traced};

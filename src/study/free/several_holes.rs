@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::super::hole_columns::{HOLES, holes};
 use super::super::input_error::{Input, InputError};
+use super::super::lengths::Lengths;
 use super::super::table::number_cell;
-use super::lengths::Lengths;
 use super::sensitivity::sensitivity;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{
@@ -12,19 +13,12 @@ use crate::geodesic::{
     elapsed_in_field, follow_field,
 };
 use crate::scene::{Precision, StepperKind};
-use crate::spacetime::{Hole, SeveralHoles, SpacetimeKind};
+use crate::spacetime::{SeveralHoles, SpacetimeKind};
 
 /// Columns of a ray's start, of its direction, of any length, and of its sphere.
 const START: [&str; 3] = ["x0", "y0", "z0"];
 const DIRECTION: [&str; 3] = ["dx0", "dy0", "dz0"];
 const SPHERE: [&str; 4] = ["cx", "cy", "cz", "r_out"];
-/// Columns of the holes: mass and position each, empty where there is none.
-const HOLES: [&str; 32] = [
-    "m1", "hx1", "hy1", "hz1", "m2", "hx2", "hy2", "hz2", "m3", "hx3", "hy3", "hz3", "m4", "hx4", "hy4",
-    "hz4", "m5", "hx5", "hy5", "hz5", "m6", "hx6", "hy6", "hz6", "m7", "hx7", "hy7", "hz7", "m8", "hx8",
-    "hy8", "hz8",
-];
-
 /// Form of the tables.
 pub(super) static FORM: TableForm = TableForm {
     needed: &["x0", "y0", "z0", "dx0", "dy0", "dz0", "cx", "cy", "cz", "r_out"],
@@ -67,7 +61,7 @@ impl FieldRay {
         let (x, direction, center, r_out) = (vector(0), vector(3), vector(6), cells.last());
         lengths.check(Input::Columns(&DIRECTION), "the length of the direction", direction.length())?;
         lengths.check(Input::Columns(&SPHERE), "the radius of the sphere", r_out)?;
-        let holes = holes(cells, &lengths)?;
+        let holes = holes(&cells.optional, &lengths)?;
         for hole in &holes {
             let what = "the distance of the start from a hole";
             lengths.check(Input::Columns(&START), what, x.distance(hole.center))?;
@@ -157,33 +151,4 @@ fn status(end: FieldEnd) -> FreeRayEnd {
         FieldEnd::StepLimit => FreeRayEnd::StepLimit,
         FieldEnd::NonFinite => FreeRayEnd::NonFinite,
     }
-}
-
-/// The holes of a row, at different places.
-fn holes(cells: &Cells, lengths: &Lengths) -> Result<Vec<Hole>, InputError> {
-    let refuse = |cause: String, remedy: &str| {
-        Err(InputError { input: Input::Columns(&HOLES), cause, remedy: remedy.to_owned() })
-    };
-    let mut holes: Vec<Hole> = Vec::new();
-    for cells in cells.optional.chunks(4) {
-        let hole = match *cells {
-            [None, None, None, None] => continue,
-            [Some(mass), Some(x), Some(y), Some(z)] => Hole { mass, center: DVec3::new(x, y, z) },
-            _ => {
-                return refuse(
-                    "a hole has not all of its cells".to_owned(),
-                    "give mass and position, or nothing",
-                );
-            }
-        };
-        lengths.check(Input::Columns(&HOLES), "the mass of a hole", hole.mass)?;
-        if let Some(other) = holes.iter().find(|other| other.center.distance(hole.center) == 0.0) {
-            return refuse(format!("two holes are at {}", other.center), "give each a place of its own");
-        }
-        holes.push(hole);
-    }
-    if holes.is_empty() {
-        return refuse("there is no hole".to_owned(), "give `m1`, `hx1`, `hy1` and `hz1`");
-    }
-    Ok(holes)
 }

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
+use super::super::lengths::{Lengths, check_together};
 use super::super::table::number_cell;
-use super::lengths::Lengths;
 use super::sensitivity::sensitivity;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::kerr::{
@@ -194,9 +194,6 @@ pub(in crate::study) fn spinning_hole(spacetime: &SpacetimeKind) -> Result<KerrN
             remedy: "give a length above 0; rays of flat space are in tables of --spacetime flat".to_owned(),
         });
     };
-    let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
-    match spacetime.entry().conflict(&values) {
-        Some((cause, remedy)) => Err(InputError { input: Input::Columns(&["a", "q"]), cause, remedy }),
-        None => Ok(*hole),
-    }
+    check_together(spacetime, Input::Columns(&["a", "q"]))?;
+    Ok(*hole)
 }

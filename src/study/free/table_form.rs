@@ -101,7 +101,7 @@ impl TableForm {
 }
 
 /// Refusal of a ray in coordinates that its spacetime does not have.
-pub(super) fn other_chart(coordinates: &str) -> InputError {
+pub(in crate::study) fn other_chart(coordinates: &str) -> InputError {
     InputError {
         input: Input::Spacetime,
         cause: format!("the ray is in {coordinates} coordinates, which the spacetime does not have"),

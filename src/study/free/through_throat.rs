@@ -4,9 +4,9 @@
 use glam::{DMat3, DVec3};
 
 use super::super::input_error::{Input, InputError};
+use super::super::lengths::{Lengths, check_together};
 use super::super::table::number_cell;
 use super::isotropic::{self, Answer, Exit, FreeRay};
-use super::lengths::Lengths;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, SphereCrossing, TableForm, Traced};
 use crate::scene::StepperKind;
@@ -124,10 +124,7 @@ impl ThroatRay {
     ) -> Result<(WayThrough, A), InputError> {
         let lengths = Lengths::of(accuracy.precision);
         lengths.check_parameters(spacetime)?;
-        let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
-        if let Some((cause, remedy)) = spacetime.entry().conflict(&values) {
-            return Err(InputError { input: Input::Spacetime, cause, remedy });
-        }
+        check_together(spacetime, Input::Spacetime)?;
         let throat = throat(spacetime);
         let x = self.start - self.mouths.map_or(DVec3::ZERO, |mouths| mouths.near);
         let is_far = self.mouths.is_none() && x.length() < throat;

@@ -6,50 +6,75 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::connections::{Joints, PointPair};
-use super::free::spinning::spinning_hole;
-use super::input_error::{Input, InputError};
+use super::super::free::spinning::spinning_hole;
+use super::super::input_error::{Input, InputError};
+use super::super::table::number_cell;
+use super::form::{JoinForm, Joints, PointPair, X, Y};
+use super::lens_cache::LensCache;
 use crate::geodesic::kerr::{KerrConnection, KerrConnector, KerrPlace, UnitHole};
+
+/// Form of the tables.
+pub(super) static FORM: JoinForm = JoinForm {
+    optional: &[],
+    results: &[
+        "image",
+        "images",
+        "dx0",
+        "dx1",
+        "dx2",
+        "px0",
+        "px1",
+        "px2",
+        "dy0",
+        "dy1",
+        "dy2",
+        "py0",
+        "py1",
+        "py2",
+        "t",
+        "G_xy",
+        "G_yx",
+        "nu_x_over_nu_y",
+        "swept",
+        "sens",
+    ],
+    join,
+};
 
 /// A ray from x to y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpinningJoint {
+struct SpinningJoint {
     /// Unit direction at x, and of travel at y, in the frames at rest.
-    pub directions: [DVec3; 2],
+    directions: [DVec3; 2],
     /// Covariant momenta at x and y.
-    pub momenta: [DVec3; 2],
+    momenta: [DVec3; 2],
     /// Kerr–Schild time from x to y, in the unit of length.
-    pub time: f64,
+    time: f64,
     /// G_xy: solid angle at x over the proper area at y perpendicular to the ray, both of observers at rest.
-    pub spread: f64,
+    spread: f64,
     /// G_yx: that of the same ray followed back.
-    pub reversed_spread: f64,
+    reversed_spread: f64,
     /// Frequency that an observer at rest measures at x over that at y.
-    pub frequency_ratio: f64,
+    frequency_ratio: f64,
     /// Angle through which the direction from the hole to the ray turns, radians.
-    pub swept: f64,
+    swept: f64,
     /// Largest change of the place at y across the ray, relative to |y|, per radian at x; at least 1.
-    pub sens: f64,
+    sens: f64,
 }
 
-/// Columns of the points of a pair.
-const X: [&str; 3] = ["x0", "x1", "x2"];
-const Y: [&str; 3] = ["y0", "y1", "y2"];
 /// Error of directions, radians: rounding.
 const TOLERANCE: f64 = 1e-13;
 /// Azimuths around the hole from which rays are looked for.
 const AZIMUTHS: u32 = 32;
 /// Highest winding whose rays are looked for.
 const HIGHEST: u32 = 1;
-/// Distance of points that are one, relative to the radius.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The rays between the points of `pair` that turn by less than `max_winding` + 1 half turns about the hole, of two at
 /// most, in the order of arrival.
 ///
 /// # Errors
 /// If the hole has no size or no horizon, a point is where nothing is at rest, or both are the same.
-pub fn join(pair: &PointPair, max_winding: u32) -> Result<Joints<SpinningJoint>, InputError> {
+fn join(_: &LensCache, pair: &PointPair, max_winding: u32) -> Result<Joints, InputError> {
     let kerr_newman = spinning_hole(&pair.spacetime)?;
     let mass = kerr_newman.mass();
     let hole = UnitHole::new(kerr_newman.spin(), kerr_newman.charge());
@@ -65,13 +90,7 @@ pub fn join(pair: &PointPair, max_winding: u32) -> Result<Joints<SpinningJoint>,
             });
         }
     }
-    if x.distance(y) <= ROUNDING * x.length().max(y.length()) {
-        return Err(InputError {
-            input: Input::Both,
-            cause: "the points are the same to rounding".to_owned(),
-            remedy: "give two points".to_owned(),
-        });
-    }
+    pair.check_apart()?;
     let (from, to) = (KerrPlace::new(&hole, x), KerrPlace::new(&hole, y));
     let connector = KerrConnector { hole: &hole, from: &from, to: &to, tolerance: TOLERANCE };
     let lapse = |place: &KerrPlace| (1.0 - hole.potential(place.r, place.n.z)).sqrt();
@@ -94,5 +113,20 @@ pub fn join(pair: &PointPair, max_winding: u32) -> Result<Joints<SpinningJoint>,
     let rays = connector.all(AZIMUTHS);
     let mut found: Vec<SpinningJoint> = rays.iter().map(joint).filter(|joint| joint.swept < widest).collect();
     found.sort_by(|one, other| one.time.total_cmp(&other.time));
+    let images = found.len();
+    let found = found.iter().zip(1..).map(|(joint, image)| joint.cells(image, images)).collect();
     Ok(Joints { found, hidden: 0 })
+}
+
+impl SpinningJoint {
+    /// Cells of the ray that arrives as the `image`th of all `images`.
+    fn cells(&self, image: usize, images: usize) -> Vec<String> {
+        let Self { directions: [dx, dy], momenta: [px, py], .. } = self;
+        let mut cells = vec![image.to_string(), images.to_string()];
+        let vectors = [dx, px, dy, py].map(|vector| vector.to_array());
+        cells.extend(vectors.into_iter().flatten().map(number_cell));
+        let Self { time, spread, reversed_spread, frequency_ratio, swept, sens, .. } = *self;
+        cells.extend([time, spread, reversed_spread, frequency_ratio, swept, sens].map(number_cell));
+        cells
+    }
 }

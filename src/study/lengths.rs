@@ -1,6 +1,6 @@
 //! Lengths that the numbers of a precision can square.
 
-use super::super::input_error::{Input, InputError};
+use super::input_error::{Input, InputError};
 use crate::scene::Precision;
 use crate::spacetime::{Range, SpacetimeKind};
 
@@ -43,5 +43,14 @@ impl Lengths {
             }
         }
         Ok(())
+    }
+}
+
+/// Refuses parameters of a spacetime that may not have their values together.
+pub(super) fn check_together(spacetime: &SpacetimeKind, input: Input) -> Result<(), InputError> {
+    let values: Vec<f64> = spacetime.parameters().map(|(_, value)| value).collect();
+    match spacetime.entry().conflict(&values) {
+        Some((cause, remedy)) => Err(InputError { input, cause, remedy }),
+        None => Ok(()),
     }
 }
