@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use glam::{DVec2, DVec3};
 
+use super::fan_frame::{FanBounds, FanPlane, circle, unit};
 use super::field_outlines::{FieldOutline, field_outlines};
 use super::spinning_sections::SpinningHole;
 use super::table::{Table, TableRow};
@@ -12,8 +13,8 @@ use crate::geodesic::{Control, Launch, Phase, Rkn6, Step, follow};
 use crate::geometry::{CrossSection, Plane, PrimitiveId};
 use crate::plot::{Axis, Color, DataSeries, Diagram, Figure, Style};
 use crate::scene::Baked;
-use crate::spacetime::{ConformallyFlat, Metric, Side, SpacetimeKind};
-use crate::trace::{Polyline, Ray, RayEnd, polylines, transport::Outcome};
+use crate::spacetime::{ConformallyFlat, Metric, Mouths, Side, SpacetimeKind, Wormhole};
+use crate::trace::{Polyline, PolylinePiece, Ray, RayEnd, polylines, transport::Outcome};
 
 /// Rays of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,29 +52,18 @@ pub struct Fan {
     polylines: Vec<Polyline>,
     hole: Option<(DVec3, Metric)>,
     spinning: Option<SpinningHole>,
+    wormhole: Option<(Mouths, Wormhole)>,
     /// What bends rays in a field of refraction.
     outlines: Vec<FieldOutline>,
-    /// Side of a wormhole that is drawn: the camera's.
+    /// The camera's side of a wormhole, and the other.
+    views: Vec<FanView>,
+}
+
+/// What a fan meets on one side of a wormhole.
+struct FanView {
     side: Side,
-    /// Centre and radius of a wormhole's throat on that side.
-    throat: Option<(DVec3, f64)>,
+    plane: FanPlane,
     cuts: Vec<CrossSection>,
-    view: FanPlane,
-}
-
-/// The plane of the fan as the picture shows it.
-#[derive(Clone, Copy, Debug)]
-struct FanPlane {
-    origin: DVec3,
-    right: DVec3,
-    up: DVec3,
-}
-
-/// A box in the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct FanBounds {
-    min: DVec2,
-    max: DVec2,
 }
 
 /// Sine of an angle below which directions count as parallel.
@@ -84,14 +74,8 @@ const AROUND_HOLE: f64 = 5.0;
 const BESIDE_HOLE: f64 = 0.4;
 /// Around each thing that bends rays in a field, a frame shows this many of its radii at least.
 const BESIDE_OUTLINE: f64 = 2.0;
-/// Room around what must be seen, relative to its larger side.
-const ROOM: f64 = 0.05;
-/// Smaller side of a frame, relative to the larger one, at least.
-const SLIMMEST: f64 = 0.45;
 /// Largest width and height of the diagram, points.
 const DIAGRAM: [f64; 2] = [880.0, 620.0];
-/// Corners of the polygon that stands for a circle.
-const CORNERS: u32 = 256;
 /// Angle by which a ray turns from one piece of its way out of the picture to the next, about, radians.
 const CORNER: f64 = 0.005;
 /// Error of that way, radians.
@@ -126,21 +110,19 @@ impl Fan {
         if spinning.is_some() && scene.spacetime.drags(start) {
             return Err(FanError::InErgosphere);
         }
-        let throat = scene.spacetime.wormhole();
-        let throat = throat.map(|(mouths, metric)| (mouths.center(camera.side), metric.throat()));
-        let center = throat.map(|(center, _)| center).or(scene.spacetime.center());
+        let wormhole = scene.spacetime.wormhole();
+        let center = wormhole.map(|(mouths, _)| mouths.center(camera.side)).or(scene.spacetime.center());
         let in_plane = center.map(|center| center - start).unwrap_or(camera.forward).normalize();
         let middle = if options.from.is_some() { in_plane } else { camera.forward };
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
-        let view = FanPlane { origin: center.unwrap_or(start), right, up: normal.cross(right) };
-
+        let up = normal.cross(right);
         let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
         let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
         let near = if options.from.is_some() { 0.0 } else { camera.near };
         let rays: Option<Vec<Ray>> = directions(angle, options.count)
             .map(|direction| {
-                let direction = direction.x * view.right + direction.y * view.up;
+                let direction = direction.x * right + direction.y * up;
                 let forward = direction.dot(camera.forward);
                 let clear = near == 0.0 || forward > PARALLEL;
                 let position = if near > 0.0 { start + near / forward * direction } else { start };
@@ -149,11 +131,18 @@ impl Fan {
             })
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;
-        let plane = Plane { point: view.origin, normal };
-        let cuts =
-            scene.geometry.of(camera.side).map_or_else(Vec::new, |around| around.cross_section(&plane));
-        let (polylines, side) = (polylines(scene, &rays), camera.side);
-        Ok(Self { polylines, hole, spinning, outlines, side, throat, cuts, view })
+        let view = |side: Side, origin: DVec3, [right, up]: [DVec3; 2]| {
+            let plane = Plane { point: origin, normal: right.cross(up) };
+            let cuts = scene.geometry.of(side).map_or_else(Vec::new, |around| around.cross_section(&plane));
+            FanView { side, plane: FanPlane { origin, right, up }, cuts }
+        };
+        let mut views = vec![view(camera.side, center.unwrap_or(start), [right, up])];
+        if let Some((mouths, _)) = wormhole {
+            let other = camera.side.other();
+            let axes = [right, up].map(|axis| mouths.turned(camera.side, axis));
+            views.push(view(other, mouths.center(other), axes));
+        }
+        Ok(Self { polylines: polylines(scene, &rays), hole, spinning, wormhole, outlines, views })
     }
 
     /// Number of rays of each fate that occurs, by name.
@@ -164,48 +153,64 @@ impl Fan {
         counts.into_iter().filter(|(_, count)| *count > 0).collect()
     }
 
-    /// Writes the rays as rows of ray, point, world position and fate.
+    /// Writes the rays as rows of ray, point, world position and fate; with the side if there are two.
     ///
     /// # Errors
     /// Errors of `out`.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
-        let reach = self.frame().reach();
+        let reaches = self.views.iter().map(|view| self.frame(view).reach());
+        let reach = reaches.fold(0.0, f64::max);
         let mut rows = Vec::new();
         for (ray, polyline) in self.polylines.iter().enumerate() {
             let fate = RayEnd::of(&polyline.end).name();
-            for (point, DVec3 { x, y, z }) in self.drawn(polyline, reach).into_iter().enumerate() {
+            let points = polyline.pieces.iter().flat_map(|piece| {
+                let points = self.drawn(polyline, piece, reach);
+                points.into_iter().map(|point| (piece.side, point))
+            });
+            for (point, (side, DVec3 { x, y, z })) in points.enumerate() {
                 let row = TableRow::default().cell("ray", ray).cell("point", point);
-                rows.push(row.cell("x", x).cell("y", y).cell("z", z).cell("fate", fate));
+                let row = row.cell("x", x).cell("y", y).cell("z", z).cell("fate", fate);
+                rows.push(if self.wormhole.is_some() { row.cell("side", side.name()) } else { row });
             }
         }
         Table::of(rows).write_csv(out)
     }
 
-    /// The points of a polyline, and for an escaped one its way on until it is `reach` away from the hole: out of the
-    /// picture.
-    fn drawn(&self, polyline: &Polyline, reach: f64) -> Vec<DVec3> {
-        let mut points = polyline.points.clone();
-        if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last()) {
-            match (&self.hole, &self.spinning) {
-                (Some((center, medium)), _) => {
-                    let way_out = way_out(medium, last - center, polyline.heading, reach);
-                    points.extend(way_out.into_iter().map(|point| center + point));
+    /// The points of a piece of a polyline, and if the ray escapes from its end, the way on until that is `reach` away from
+    /// the hole: out of the picture.
+    fn drawn(&self, polyline: &Polyline, piece: &PolylinePiece, reach: f64) -> Vec<DVec3> {
+        let mut points = piece.points.clone();
+        if let (Outcome::Escaped(there), Some(&last)) = (polyline.end, points.last())
+            && there.side == piece.side
+        {
+            let heading = polyline.heading;
+            match (&self.hole, &self.spinning, &self.wormhole) {
+                (Some((center, metric)), _, _) => {
+                    points.extend(way_out(metric, *center, last, heading, reach))
                 }
-                (None, Some(spinning)) => points.extend(spinning.way_out(last, polyline.heading, reach)),
-                (None, None) if there.side != self.side => {}
-                (None, None) => points.push(last + reach * there.direction),
+                (None, Some(spinning), _) => points.extend(spinning.way_out(last, heading, reach)),
+                (None, None, Some((mouths, metric))) => {
+                    points.extend(way_out(metric, mouths.center(piece.side), last, heading, reach));
+                }
+                (None, None, None) => points.push(last + reach * there.direction),
             }
         }
         points
     }
 
-    /// The picture.
+    /// The picture: a diagram for each side.
     pub fn figure(&self, title: &str) -> Figure {
-        let frame = self.frame();
+        Figure { diagrams: self.views.iter().map(|view| self.diagram(view, title)).collect() }
+    }
+
+    /// The picture of a side.
+    fn diagram(&self, view: &FanView, title: &str) -> Diagram {
+        let (frame, plane) = (self.frame(view), &view.plane);
+        let has_cuts = self.views.iter().any(|view| !view.cuts.is_empty());
         let mut series = vec![DataSeries {
-            name: if self.cuts.is_empty() { String::new() } else { "geometry".to_owned() },
+            name: if has_cuts { "geometry".to_owned() } else { String::new() },
             style: Style::line(Color::GREY, 3.0),
-            curves: self.cuts.iter().filter_map(|cut| self.view.outline(cut, &frame)).collect(),
+            curves: view.cuts.iter().filter_map(|cut| plane.outline(cut, &frame)).collect(),
         }];
         for fate in RayEnd::ALL {
             let rays: Vec<&Polyline> =
@@ -213,13 +218,17 @@ impl Fan {
             if rays.is_empty() {
                 continue;
             }
-            let curve = |polyline: &&Polyline| {
-                self.drawn(polyline, frame.reach()).iter().map(|&p| self.view.place(p)).collect()
-            };
+            let curves = rays.iter().flat_map(|polyline| {
+                let pieces = polyline.pieces.iter().filter(|piece| piece.side == view.side);
+                pieces.map(|piece| {
+                    let points = self.drawn(polyline, piece, frame.reach());
+                    points.into_iter().map(|point| plane.place(point)).collect()
+                })
+            });
             series.push(DataSeries {
                 name: format!("{} ({})", fate.name(), rays.len()),
                 style: Style::line(color(fate), 1.6),
-                curves: rays.iter().map(curve).collect(),
+                curves: curves.collect(),
             });
         }
         if let Some((_, medium)) = self.hole {
@@ -236,7 +245,7 @@ impl Fan {
             });
         }
         if let Some(spinning) = self.spinning {
-            let axes = [self.view.right, self.view.up];
+            let axes = [plane.right, plane.up];
             let mut add = |name: &str, style: Style, curves: Vec<Vec<[f64; 2]>>| {
                 series.push(DataSeries { name: name.to_owned(), style, curves });
             };
@@ -245,70 +254,76 @@ impl Fan {
             add("horizon", Style::area(Color::BLACK), vec![spinning.horizon(axes)]);
         }
         for alike in self.outlines.chunk_by(|a, b| a.name == b.name) {
-            let curve = |outline: &FieldOutline| {
-                circle(self.view.place(outline.center).into(), outline.radius, 0.0, PI)
-            };
+            let curve =
+                |outline: &FieldOutline| circle(plane.place(outline.center).into(), outline.radius, 0.0, PI);
             series.push(DataSeries {
                 name: alike[0].name.to_owned(),
                 style: alike[0].style,
                 curves: alike.iter().map(curve).collect(),
             });
         }
-        if let Some((_, radius)) = self.throat {
+        if let Some((_, metric)) = self.wormhole {
             series.push(DataSeries {
                 name: "throat".to_owned(),
                 style: Style::area(Color::BLACK),
-                curves: vec![circle(DVec2::ZERO, radius, 0.0, PI)],
+                curves: vec![circle(DVec2::ZERO, metric.throat(), 0.0, PI)],
             });
         }
         let has_hole = self.hole.is_some() || self.spinning.is_some();
-        let origin = match self.throat {
+        let origin = match self.wormhole {
             _ if has_hole => "the hole",
             Some(_) => "the throat",
             None if !self.outlines.is_empty() => "the middle",
             None => "the start",
         };
+        let title = match self.wormhole {
+            Some(_) => format!("{title}, {} side", view.side.name()),
+            None => title.to_owned(),
+        };
         let FanBounds { min, max } = frame;
         let side = max - min;
         let scale = (DIAGRAM[0] / side.x).min(DIAGRAM[1] / side.y);
-        Figure {
-            diagrams: vec![Diagram {
-                title: title.to_owned(),
-                x: Axis::linear(format!("from {origin} along the view (scene units)"), [min.x, max.x]),
-                y: Axis::linear("across (scene units)", [min.y, max.y]),
-                size: [scale * side.x, scale * side.y],
-                series,
-            }],
+        Diagram {
+            title,
+            x: Axis::linear(format!("from {origin} along the view (scene units)"), [min.x, max.x]),
+            y: Axis::linear("across (scene units)", [min.y, max.y]),
+            size: [scale * side.x, scale * side.y],
+            series,
         }
     }
 
-    /// Frame of the picture, around the ends of rays and the hole; or the geometry; or a piece of a straight ray.
-    fn frame(&self) -> FanBounds {
-        let mut frame = FanBounds::NOTHING;
+    /// Frame of a side's picture, around the ends of rays and the hole; or the geometry; or a piece of a straight ray.
+    fn frame(&self, view: &FanView) -> FanBounds {
+        let (mut frame, plane) = (FanBounds::NOTHING, &view.plane);
+        let mut hold = |point: DVec3, radius: f64| frame.hold(plane.place(point).into(), radius);
+        let mut farthest = 0.0f64;
         for polyline in &self.polylines {
-            let seen = if matches!(polyline.end, Outcome::Landed(_)) { polyline.points.len() } else { 1 };
-            polyline.points[..seen].iter().for_each(|&point| frame.hold(self.view.place(point).into(), 0.0));
+            let lands = matches!(polyline.end, Outcome::Landed(_));
+            for (number, piece) in polyline.pieces.iter().enumerate() {
+                if piece.side == view.side {
+                    let seen = if lands { piece.points.len() } else { usize::from(number == 0) };
+                    piece.points[..seen].iter().for_each(|&point| hold(point, 0.0));
+                    if number == 0 {
+                        farthest = farthest.max(DVec2::from(plane.place(piece.points[0])).length());
+                    }
+                }
+            }
         }
-        let body = self.hole.map(|(_, medium)| medium.photon_sphere());
+        let body = self.hole.map(|(_, metric)| metric.photon_sphere());
         let body = body.or(self.spinning.map(|spinning| spinning.hole.outermost_photon_orbit()));
-        if let (Some(radius), Some(polyline)) =
-            (body.or(self.throat.map(|(_, radius)| radius)), self.polylines.first())
-        {
-            let distance = DVec2::from(self.view.place(polyline.points[0])).length();
-            frame.hold(DVec2::ZERO, (AROUND_HOLE * radius).max(BESIDE_HOLE * distance));
+        if let Some(radius) = body.or(self.wormhole.map(|(_, metric)| metric.throat())) {
+            hold(plane.origin, (AROUND_HOLE * radius).max(BESIDE_HOLE * farthest));
         }
         for outline in &self.outlines {
-            frame.hold(self.view.place(outline.center).into(), BESIDE_OUTLINE * outline.radius);
+            hold(outline.center, BESIDE_OUTLINE * outline.radius);
         }
         if frame.reach() == 0.0 {
-            for cut in &self.cuts {
+            for cut in &view.cuts {
                 match *cut {
                     CrossSection::Line(ends) => {
-                        ends.into_iter().for_each(|end| frame.hold(self.view.place(end).into(), 0.0))
+                        ends.into_iter().for_each(|end| frame.hold(plane.place(end).into(), 0.0))
                     }
-                    CrossSection::Circle { center, radius } => {
-                        frame.hold(self.view.place(center).into(), radius)
-                    }
+                    CrossSection::Circle { center, radius } => frame.hold(plane.place(center).into(), radius),
                 }
             }
         }
@@ -334,12 +349,6 @@ fn normal(up: Option<DVec3>, in_plane: DVec3, middle: DVec3, camera_up: DVec3) -
     Some(if normal.cross(in_plane).dot(camera_up) < -PARALLEL { -normal } else { normal })
 }
 
-/// The unit vector at an angle from +X, radians.
-fn unit(angle: f64) -> DVec2 {
-    let (sin, cos) = libm::sincos(angle);
-    DVec2::new(cos, sin)
-}
-
 /// Unit directions evenly over `angle` around +X.
 fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     (0..count).map(move |index| {
@@ -348,10 +357,16 @@ fn directions(angle: f64, count: u32) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// Points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach`; relative
-/// to the hole.
-fn way_out(medium: &Metric, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVec3> {
-    let launch = Launch::new(medium, start, heading, f64::EPSILON);
+/// World points of the ray that leaves `start` outwards in the unit direction `heading`, up to the radius `reach` about
+/// `center`.
+fn way_out(
+    medium: &impl ConformallyFlat,
+    center: DVec3,
+    start: DVec3,
+    heading: DVec3,
+    reach: f64,
+) -> Vec<DVec3> {
+    let launch = Launch::new(medium, start - center, heading, f64::EPSILON);
     let ray = (launch.b, Phase::new(medium, launch.w, launch.v), launch.fate);
     let control = Control::new(medium, PRECISION, f64::INFINITY);
     // From the radius to the ray.
@@ -364,70 +379,11 @@ fn way_out(medium: &Metric, start: DVec3, heading: DVec3, reach: f64) -> Vec<DVe
         points.extend((1..=pieces as u32).map(|piece| {
             let h = step.h * f64::from(piece) / pieces;
             let part = Step::new(medium, &Rkn6, step.b, step.start, h);
-            launch.position(part.end.w, swept + angle(h))
+            center + launch.position(part.end.w, swept + angle(h))
         }));
         swept += angle(step.h);
     });
     points
-}
-
-/// A circle between two angles either side of `middle`, as a polygon.
-fn circle(center: DVec2, radius: f64, middle: f64, half: f64) -> Vec<[f64; 2]> {
-    let angle = |i: u32| middle + half * (2.0 * f64::from(i) / f64::from(CORNERS) - 1.0);
-    (0..=CORNERS).map(|i| (center + radius * unit(angle(i))).into()).collect()
-}
-
-impl FanPlane {
-    fn place(&self, point: DVec3) -> [f64; 2] {
-        let from = point - self.origin;
-        [from.dot(self.right), from.dot(self.up)]
-    }
-
-    /// The part of a cut that the frame may show.
-    fn outline(&self, cut: &CrossSection, frame: &FanBounds) -> Option<Vec<[f64; 2]>> {
-        match *cut {
-            CrossSection::Line(ends) => {
-                let [a, b] = ends.map(|end| self.place(end));
-                let (low, high) = (DVec2::from(a).min(b.into()), DVec2::from(a).max(b.into()));
-                let seen = low.cmple(frame.max).all() && high.cmpge(frame.min).all();
-                seen.then(|| vec![a, b])
-            }
-            CrossSection::Circle { center, radius } => {
-                // The circle meets the disc around the frame within this angle: walls may be huge spheres.
-                let center = DVec2::from(self.place(center));
-                let to_frame = 0.5 * (frame.min + frame.max) - center;
-                let (distance, reach) = (to_frame.length(), 0.5 * frame.reach());
-                let cosine =
-                    (distance * distance + radius * radius - reach * reach) / (2.0 * distance * radius);
-                let half = if cosine.is_nan() { PI } else { libm::acos(cosine.clamp(-1.0, 1.0)) };
-                (half > 0.0).then(|| circle(center, radius, libm::atan2(to_frame.y, to_frame.x), half))
-            }
-        }
-    }
-}
-
-impl FanBounds {
-    const NOTHING: Self = Self { min: DVec2::INFINITY, max: DVec2::NEG_INFINITY };
-
-    /// Takes in a disc.
-    fn hold(&mut self, center: DVec2, radius: f64) {
-        self.min = self.min.min(center - radius);
-        self.max = self.max.max(center + radius);
-    }
-
-    /// Its diagonal.
-    fn reach(&self) -> f64 {
-        self.min.distance(self.max)
-    }
-
-    /// Widened to have a margin and not be slim.
-    fn roomy(self) -> Self {
-        let middle = 0.5 * (self.min + self.max);
-        let half = 0.5 * (self.max - self.min);
-        let longer = half.max_element();
-        let half = (half + ROOM * longer).max(DVec2::splat(SLIMMEST * longer));
-        Self { min: middle - half, max: middle + half }
-    }
 }
 
 /// The colour of rays that end so.

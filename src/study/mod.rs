@@ -9,6 +9,7 @@ pub mod compare;
 mod errors;
 pub mod estimate;
 mod fan;
+mod fan_frame;
 mod field_outlines;
 pub(crate) mod forecast;
 pub mod free;

@@ -51,7 +51,7 @@ mod work;
 mod worker;
 
 pub use illumination::LightSummary;
-pub use polyline::{Polyline, polylines};
+pub use polyline::{Polyline, PolylinePiece, polylines};
 pub use probe::{Probe, Reading, probe};
 pub use ray_end::RayEnd;
 pub use render::{Progress, Rendered, render};

@@ -11,16 +11,27 @@ use super::shoot::{Ray, follow};
 use super::transport::{Outcome, Transport, TransportVisitor};
 use crate::geometry::{Geometry, Segment};
 use crate::scene::{Baked, StepperKind};
+use crate::spacetime::Side;
 
 /// A ray's path and its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
-    /// World points from the start to the end, or to where nothing more can be met, or to the throat of a wormhole.
-    pub points: Vec<DVec3>,
+    /// The path from the start to the end, or to where nothing more can be met: a piece on each side of a wormhole that the
+    /// ray comes to, one at least.
+    pub pieces: Vec<PolylinePiece>,
     /// Unit direction of travel at the last of them.
     pub heading: DVec3,
     /// Outcome of the ray; never flying.
     pub end: Outcome<Infallible>,
+}
+
+/// Part of a ray's path on one side of a wormhole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolylinePiece {
+    /// Side that it is on.
+    pub side: Side,
+    /// World points, one at least.
+    pub points: Vec<DVec3>,
 }
 
 /// Largest distance by which a polyline may cut a corner, relative to the move.
@@ -50,18 +61,23 @@ impl TransportVisitor for Trailing<'_> {
 }
 
 fn polyline<T: Transport>(transport: &T, geometry: &Geometry, ray: &Ray) -> Polyline {
-    let (mut points, mut heading) = (vec![ray.position], ray.direction);
+    let mut piece = PolylinePiece { side: ray.origin_prim.side(), points: vec![ray.position] };
+    let (mut pieces, mut heading) = (Vec::new(), ray.direction);
     let (shot, _) =
         follow(transport, geometry, &ray.start(), &Halt::default(), |flight, step, found, landing| {
             // A flight that goes on although something was found came closer to it by a shorter step, to be tried next.
             let taken = landing.is_some() || found.is_none();
-            let taken = taken && transport.side(flight) == ray.origin_prim.side();
-            if let Some(course) = transport.course(flight, step).filter(|_| taken) {
-                extend(&mut points, &course, landing.map(|landing| landing.position));
-                heading = landing.map_or(course.heading(), |landing| landing.direction);
+            let Some(course) = transport.course(flight, step).filter(|_| taken) else { return };
+            let side = transport.side(flight);
+            if side != piece.side {
+                let next = PolylinePiece { side, points: vec![course.chord().start] };
+                pieces.push(std::mem::replace(&mut piece, next));
             }
+            extend(&mut piece.points, &course, landing.map(|landing| landing.position));
+            heading = landing.map_or(course.heading(), |landing| landing.direction);
         });
-    Polyline { points, heading, end: shot.end }
+    pieces.push(piece);
+    Polyline { pieces, heading, end: shot.end }
 }
 
 /// Adds the points of `course` after its start, up to `landing` if given; none that is not finite.

@@ -249,3 +249,49 @@ fn bad_flags_are_refused_with_a_remedy() {
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
 }
+
+#[test]
+fn both_sides_of_a_wormhole_are_drawn_and_rays_go_on_beyond_the_throat() {
+    let (far_center, throat) = (DVec3::new(50.0, 2.0, 0.0), 0.5);
+    let scene = SCENE
+        .replace("\"schwarzschild\"", "\"ellis-wormhole\"\nfar_center = [50, 2, 0]\nthroat_radius = 1")
+        .replace("schwarzschild_radius = 1\n", "");
+    let ball = "[[entity]]\nsphere = { center = [50, 2, -5], radius = 2 }\nside = \"far\"\n";
+    let place = Folder::with(&[("scene.toml", &(scene + ball))]);
+    assert_good(&draw(&place, "rays.csv", &["--count", "61"]));
+    let text = place.read("rays.csv");
+    assert_eq!(text.lines().next(), Some("ray,point,x,y,z,fate,side"));
+    let mut rays: BTreeMap<u32, Vec<(DVec3, bool, String)>> = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let [ray, point, x, y, z, fate, side] = line.split(',').collect::<Vec<_>>().try_into().unwrap();
+        let points = rays.entry(ray.parse().unwrap()).or_default();
+        assert_eq!(point.parse(), Ok(points.len()));
+        let at = DVec3::from([x, y, z].map(|number: &str| number.parse().unwrap()));
+        points.push((at, side == "far", fate.to_owned()));
+    }
+    let (mut met, mut passed) = (0, 0);
+    for points in rays.values() {
+        let Some(first) = points.iter().position(|&(_, is_far, _)| is_far) else { continue };
+        assert!(points[first..].iter().all(|&(_, is_far, _)| is_far));
+        passed += 1;
+        // Upon the throat on both sides, at opposite places.
+        let (near, far) = (points[first - 1].0 - HOLE, points[first].0 - far_center);
+        assert!((near.length() - throat).abs() < 1e-6 && (near + far).length() < 1e-4, "{near} {far}");
+        let (last, _, fate) = points.last().unwrap();
+        if fate == "hit" {
+            assert!((last.distance(DVec3::new(50.0, 2.0, -5.0)) - 2.0).abs() < 1e-4, "{last}");
+            met += 1;
+        } else {
+            // Out of the picture, along the geodesic.
+            assert!(last.distance(far_center) > 5.0, "{fate} {last}");
+            let pieces: Vec<DVec3> = points[first..].windows(2).map(|two| two[1].0 - two[0].0).collect();
+            let corners = pieces.windows(2).filter(|two| two.iter().all(|piece| piece.length() > 1e-3));
+            let corner = corners.map(|two| two[0].angle_between(two[1])).fold(0.0, f64::max);
+            assert!(corner < 0.2, "a corner of {corner}");
+        }
+    }
+    assert!(met > 1 && passed > met, "{met} of {passed}");
+    assert_good(&draw(&place, "rays.svg", &["--count", "61"]));
+    let picture = place.read("rays.svg");
+    assert!(picture.contains("near side") && picture.contains("far side"), "{picture}");
+}
