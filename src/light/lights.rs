@@ -12,7 +12,7 @@ use super::sky::Sky;
 use super::tree::{Emission, Tree};
 use crate::geometry::{Geometry, PrimitiveId, Shape};
 use crate::shade::{Environment, Material};
-use crate::spacetime::{Mouths, Side};
+use crate::spacetime::{AtInfinity, Mouths, Side};
 
 /// All light that can be sampled.
 pub struct Lights {
@@ -256,6 +256,11 @@ impl Lights {
     pub(super) fn emitter_pmf(&self, index: u32, receiver: &Receiver) -> f64 {
         let tree = self.tree(receiver.on.side());
         self.shares()[0] * tree.probability(index, receiver.position, Some(receiver.normal))
+    }
+
+    /// True if a point at infinity is in the tile of its side's sky with this index.
+    pub fn is_in_tile(&self, there: AtInfinity, tile: u32) -> bool {
+        self.sky(there.side).is_some_and(|(sky, _)| sky.tile_of(there.direction).0 == tile)
     }
 
     /// The sky of a side, with the probability with which [`Self::choose`] chooses it.

@@ -22,6 +22,7 @@ mod regions;
 mod sample;
 mod sampler;
 mod sky;
+mod sky_tiles;
 mod tree;
 
 pub use aim::field::{FieldAim, FieldWay};

@@ -17,6 +17,8 @@ pub enum Target {
     ThroughSpecular,
     /// Infinity on a side.
     Infinity(Side),
+    /// The tile of a side's sky with this index.
+    SkyTile(Side, u32),
     /// A punctual light in the world, by its index.
     Point(u32),
 }
@@ -39,6 +41,8 @@ pub enum Incoming {
     Radiance(Vec3, f64),
     /// Radiance of the sky at a point at infinity, and the density of the direction here in solid angle.
     Sky(AtInfinity, f64),
+    /// What the ray sees of the sky where it ends, and the density of its direction in solid angle.
+    Seen(f64),
     /// Irradiance of a punctual light on a surface that faces it, divided by the probability of the sample.
     Irradiance(Vec3),
 }

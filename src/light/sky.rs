@@ -1,10 +1,12 @@
 //! Directions of light from infinity, by luminance.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use glam::{DMat3, DVec3};
 
 use super::emitter::luminance;
+use super::sky_tiles::{SkyTile, SkyTiles};
 use crate::shade::LatLong;
 
 /// The luminance of a latitude-longitude picture as a distribution of directions.
@@ -18,6 +20,8 @@ pub struct Sky {
     rows: Vec<f64>,
     /// Per row, per column: the probability within the row of all columns before it; then 1.
     columns: Vec<f64>,
+    /// Made when they are first asked for.
+    tiles: OnceLock<SkyTiles>,
 }
 
 impl Sky {
@@ -41,7 +45,14 @@ impl Sky {
         let mut rows = Vec::with_capacity(height + 1);
         let total = cumulate(&sums, &mut rows);
         let is_usable = total > 0.0 && total.is_finite();
-        is_usable.then_some(Self { width, height, from_world: image.from_world, rows, columns })
+        is_usable.then_some(Self {
+            width,
+            height,
+            from_world: image.from_world,
+            rows,
+            columns,
+            tiles: OnceLock::new(),
+        })
     }
 
     /// A unit direction, world, and its density in solid angle, from two numbers in [0, 1).
@@ -57,13 +68,52 @@ impl Sky {
 
     /// Density in solid angle of a unit direction, world.
     pub fn density(&self, direction: DVec3) -> f64 {
+        let (row, column, sin) = self.texel(direction);
+        if sin > 0.0 { self.texel_density(row, column, sin) } else { 0.0 }
+    }
+
+    /// The tile that a number in [0, 1) chooses, with its index, in the world, and what is left of the number.
+    pub fn choose_tile(&self, u: f64) -> Option<(u32, SkyTile, f64)> {
+        let (index, tile, left) = self.tiles().choose(u)?;
+        Some((index, self.in_world(tile), left))
+    }
+
+    /// The tile that holds a unit direction of the world, with its index, in the world.
+    pub fn tile_of(&self, direction: DVec3) -> (u32, SkyTile) {
+        let (row, column, _) = self.texel(direction);
+        let (index, tile) = self.tiles().of(row, column);
+        (index, self.in_world(tile))
+    }
+
+    fn in_world(&self, tile: &SkyTile) -> SkyTile {
+        let to_world = self.from_world.transpose();
+        SkyTile {
+            middle: to_world * tile.middle,
+            half_axes: tile.half_axes.map(|axis| to_world * axis),
+            pmf: tile.pmf,
+        }
+    }
+
+    fn tiles(&self) -> &SkyTiles {
+        self.tiles.get_or_init(|| {
+            SkyTiles::new((self.width, self.height), |[top, bottom], [left, right]| {
+                let row = |row: usize| {
+                    let columns = self.row(row);
+                    (self.rows[row + 1] - self.rows[row]) * (columns[right] - columns[left])
+                };
+                (top..bottom).map(row).sum()
+            })
+        })
+    }
+
+    /// Row and column of a unit direction of the world, and the sine of its angle to the picture's poles.
+    fn texel(&self, direction: DVec3) -> (usize, usize, f64) {
         let d = self.from_world * direction;
         let u = 0.5 + libm::atan2(d.x, -d.z) / TAU;
         let v = libm::acos(d.y.clamp(-1.0, 1.0)) / PI;
         let column = ((u * self.width as f64) as usize).min(self.width - 1);
         let row = ((v * self.height as f64) as usize).min(self.height - 1);
-        let sin = (1.0 - d.y * d.y).max(0.0).sqrt();
-        if sin > 0.0 { self.texel_density(row, column, sin) } else { 0.0 }
+        (row, column, (1.0 - d.y * d.y).max(0.0).sqrt())
     }
 
     fn row(&self, row: usize) -> &[f64] {

@@ -115,6 +115,7 @@ impl Illumination {
         let light = match light {
             Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
             Incoming::Sky(there, density) => Incoming::Sky(there, direct * density),
+            Incoming::Seen(density) => Incoming::Seen(direct * density),
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })

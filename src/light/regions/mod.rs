@@ -6,7 +6,7 @@
 //! drawn; what they miss, and lamps that fill the view, is left to BSDF sampling. Whatever ray ends on the light counts,
 //! from wherever it comes.
 //!
-//! Point, spot and distant lights are found by true connections; the sky is left to BSDF sampling.
+//! A sky is tiles, each a light at infinity. Point, spot and distant lights are found by true connections.
 
 mod connected;
 pub(super) mod shape;
@@ -18,7 +18,7 @@ use glam::DVec3;
 use super::aim::Link;
 use super::lights::{ChosenLight, Lights};
 use super::receiver::Receiver;
-use super::sample::{EmitterHit, LightRayEnd, LightSample, Target};
+use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sampler::{
     LightSampler, distant_sample, point_sample, reaches_emitter, region_density, region_sample,
 };
@@ -68,7 +68,16 @@ impl LightSampler for Regions {
                 let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
                 Some(distant_sample((side, light, inverse_pmf), &link, ray_pmf))
             }
-            ChosenLight::Sky(..) => None,
+            ChosenLight::Sky(side, sky, pmf) => {
+                let (index, tile, left) = sky.choose_tile(u[0])?;
+                let view = RegionView::of_sky(&self.place, &self.table, receiver, &tile, self.goes_around)?;
+                let (direction, density) = view.sample([left, u[1], u[2]])?;
+                Some(LightSample {
+                    direction: self.place.outwards(direction),
+                    target: Target::SkyTile(side, index),
+                    light: Incoming::Seen(pmf * tile.pmf * density),
+                })
+            }
         }
     }
 
@@ -85,9 +94,11 @@ impl LightSampler for Regions {
         })
     }
 
-    /// The sky is left to BSDF sampling.
-    fn sky_density(&self, _: &Lights, _: &Receiver, _: DVec3, _: AtInfinity) -> f64 {
-        0.0
+    fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64 {
+        let Some((sky, pmf)) = lights.sky(there.side) else { return 0.0 };
+        let (_, tile) = sky.tile_of(there.direction);
+        let view = RegionView::of_sky(&self.place, &self.table, receiver, &tile, self.goes_around);
+        view.map_or(0.0, |view| pmf * tile.pmf * view.density(self.place.inwards(direction)))
     }
 
     fn reaches(&self, lights: &Lights, target: Target, end: &LightRayEnd) -> bool {
@@ -98,6 +109,6 @@ impl LightSampler for Regions {
     }
 
     fn samples_sky(&self) -> bool {
-        false
+        true
     }
 }

@@ -1,6 +1,6 @@
 //! View of a light from a receiver around a spinning hole: a region of directions for each winding number.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 use glam::DVec3;
 
@@ -9,6 +9,7 @@ use super::sight::Sight;
 use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole, TablePlace};
 use crate::light::emitter::{Emitter, Extent};
 use crate::light::receiver::Receiver;
+use crate::light::sky_tiles::SkyTile;
 
 /// View of a light: its near region, and what the region of rays that go around the hole follows from.
 pub struct RegionView<'a> {
@@ -24,16 +25,17 @@ pub struct RegionView<'a> {
     cos_around: f64,
 }
 
-/// A light, in units of the hole.
+/// A light, in units of the hole; at infinity, lengths are those on the unit sphere of directions.
 struct Light {
-    /// Position of its middle.
+    /// Position of its middle, or direction to it.
     position: DVec3,
+    is_infinite: bool,
     middle: TablePlace,
     half_axes: [DVec3; 3],
     is_round: bool,
     /// Length of the longest half-axis.
     size: f64,
-    /// Distance of the middle from the receiver.
+    /// Distance of the middle from the receiver; 1 at infinity.
     distance: f64,
 }
 
@@ -80,10 +82,10 @@ impl<'a> RegionView<'a> {
         }
         let hole = place.hole;
         let inwards = |position: DVec3| place.inwards((position - place.center) / place.mass);
-        let from = table.place(KerrPlace::new(&hole, inwards(receiver.position)))?;
         let position = inwards(middle);
         let light = Light {
             position,
+            is_infinite: false,
             middle: table.place(KerrPlace::new(&hole, position))?,
             half_axes: half_axes.map(|axis| place.inwards(axis) / place.mass),
             is_round,
@@ -94,14 +96,55 @@ impl<'a> RegionView<'a> {
         if light.middle.place.r - light.size <= 1.0 / hole.horizon {
             return None;
         }
+        Self::of(place, table, receiver, light, goes_around)
+    }
+
+    /// The view that a receiver has of a tile of the sky.
+    pub fn of_sky(
+        place: &PlacedHole,
+        table: &'a OrbitTable,
+        receiver: &Receiver,
+        tile: &SkyTile,
+        goes_around: bool,
+    ) -> Option<Self> {
+        let position = place.inwards(tile.middle);
+        // The ellipse through a rectangle's corners.
+        let [x, y] = tile.half_axes.map(|axis| SQRT_2 * place.inwards(axis));
+        let light = Light {
+            position,
+            is_infinite: true,
+            middle: table.place(KerrPlace { r: f64::INFINITY, n: position })?,
+            half_axes: [x, y, DVec3::ZERO],
+            is_round: false,
+            size: x.length().max(y.length()),
+            distance: 1.0,
+        };
+        Self::of(place, table, receiver, light, goes_around)
+    }
+
+    /// The view of a light.
+    fn of(
+        place: &PlacedHole,
+        table: &'a OrbitTable,
+        receiver: &Receiver,
+        light: Light,
+        goes_around: bool,
+    ) -> Option<Self> {
+        let hole = place.hole;
+        let inwards = |position: DVec3| place.inwards((position - place.center) / place.mass);
+        let from = table.place(KerrPlace::new(&hole, inwards(receiver.position)))?;
         let about_axis = DVec3::new(-from.place.n.y, from.place.n.x, 0.0);
         let pole = (-from.place.n - SWING * hole.a / from.place.r * about_axis).normalize();
         let near = light.region(table, &from, pole, 0)?;
         let normal = place.inwards(receiver.normal);
         // Those that are bent least are as far out as Einstein's ring.
         let [x, y] = [from.place.r, light.middle.place.r];
-        let ring = 2.0 * (x * y / (x + y)).sqrt();
-        let sin_around = (1.3 * ring + 2.0 + light.size).max(AROUND) / x;
+        let (ring, wide) = if light.is_infinite {
+            (2.0 * x.sqrt(), light.size * x)
+        } else {
+            (2.0 * (x * y / (x + y)).sqrt(), light.size)
+        };
+        let sin_around = (1.3 * ring + 2.0 + wide).max(AROUND) / x;
         let cos_around =
             if sin_around < 1.0 { (1.0 - sin_around * sin_around).max(0.0).sqrt() } else { -1.0 };
         // Large regions may be seen although their middles are not.
@@ -156,13 +199,18 @@ impl Light {
     /// The region of rays with a winding number.
     fn region(&self, table: &OrbitTable, from: &TablePlace, pole: DVec3, winding: u32) -> Option<Region> {
         let Self { position, middle, size, distance, .. } = self;
-        let radius = middle.place.r;
+        let radius = if self.is_infinite { 1.0 } else { middle.place.r };
         let tolerance = TURN_TOLERANCE.max(TURN_SHARE * size / radius);
         let sight = Sight::of(table, [from, middle], winding, tolerance)?;
         let direction = sight.direction;
         let a = table.hole().a;
         let see = |position: DVec3| {
-            let place = table.place(KerrPlace::new(table.hole(), position))?;
+            let place = if self.is_infinite {
+                KerrPlace { r: f64::INFINITY, n: position.normalize() }
+            } else {
+                KerrPlace::new(table.hole(), position)
+            };
+            let place = table.place(place)?;
             sight.beside(table, [from, middle, &place])
         };
         let (sin, cos) = libm::sincos(sight.angle);

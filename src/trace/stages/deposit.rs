@@ -34,7 +34,7 @@ impl LightSource {
         let emitter = match vertex.target {
             Target::Surface(primitive, _) => EmitterId::Surface(primitive),
             Target::Point(index) => EmitterId::Point(index),
-            Target::Infinity(_) => EmitterId::Infinity,
+            Target::Infinity(_) | Target::SkyTile(..) => EmitterId::Infinity,
             Target::Nothing | Target::ThroughSpecular => return None,
         };
         Some(Self { emitter, segments: vertex.depth })

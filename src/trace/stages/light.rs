@@ -71,6 +71,7 @@ pub fn propose(
         Incoming::Sky(there, density) => {
             shared(job.scene.environment(there.side).radiance(there.direction), density)
         }
+        Incoming::Seen(density) => shared(Vec3::ONE, density),
         Incoming::Irradiance(irradiance) => irradiance / chance as f32,
     };
     let brings = path.throughput * bsdf * light;
@@ -86,7 +87,7 @@ pub enum LightRayProgress<Flight> {
     Ended(bool),
     /// One that is aimed through mirrors and glass landed.
     Landed(Landing),
-    /// One so aimed left to infinity.
+    /// One so aimed, or at a part of the sky, left to infinity.
     Escaped(AtInfinity),
 }
 
@@ -139,7 +140,9 @@ pub fn conclude<Flight>(
     match outcome {
         Outcome::Flying(next) => LightRayProgress::Flying(next),
         Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
-        Outcome::Escaped(there) if after_specular => LightRayProgress::Escaped(there),
+        Outcome::Escaped(there) if after_specular || matches!(vertex.target, Target::SkyTile(..)) => {
+            LightRayProgress::Escaped(there)
+        }
         Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(there) => LightRayProgress::Ended(match vertex.target {
@@ -147,7 +150,7 @@ pub fn conclude<Flight>(
             Target::Point(index) => {
                 illumination.lights.point(index).is_some_and(|(side, _)| side == there.side)
             }
-            Target::Nothing | Target::Surface(..) | Target::ThroughSpecular => false,
+            Target::Nothing | Target::Surface(..) | Target::ThroughSpecular | Target::SkyTile(..) => false,
         }),
         Outcome::Captured | Outcome::StepLimit | Outcome::NonFinite => LightRayProgress::Ended(false),
     }
@@ -178,11 +181,22 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
     (vertex.brings != Vec3::ZERO).then_some(bounce.direction)
 }
 
-/// Adds what a light ray that went through mirrors and glass sees at infinity.
+/// Adds what a light ray sees at infinity that went through mirrors and glass, or that was aimed there.
 #[inline]
 pub fn escape(job: &Job, path: &mut Path, vertex: &Vertex, there: AtInfinity) {
     let environment = job.scene.environment(there.side);
-    if vertex.after_specular && !environment.is_black() {
+    let is_wanted = match vertex.target {
+        Target::SkyTile(side, tile) => {
+            let illumination = job.illumination.as_ref().filter(|_| side == there.side);
+            illumination.is_some_and(|illumination| illumination.lights.is_in_tile(there, tile))
+        }
+        Target::Nothing
+        | Target::Surface(..)
+        | Target::ThroughSpecular
+        | Target::Infinity(_)
+        | Target::Point(_) => vertex.after_specular,
+    };
+    if is_wanted && !environment.is_black() {
         let source = LightSource { emitter: EmitterId::Infinity, segments: vertex.depth };
         deposit(path, source, || vertex.brings * environment.radiance(there.direction));
     }

@@ -3,17 +3,18 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::support::chi_square::{Directions, Verdict};
 use crate::support::lit::{Agreement, Twist, picture, room};
 use crate::support::{Random, camera, material, mesh, rectangle, scene_with, sphere};
 use warpfront::geodesic::kerr::PlacedHole;
 use warpfront::geometry::{PrimitiveId, Shape};
-use warpfront::light::{EmitterHit, Incoming, LightSampler, Lights, Receiver, Regions, Target};
+use warpfront::light::{EmitterHit, Incoming, LightSampler, Lights, Receiver, Regions, Sky, Target};
 use warpfront::scene::Baked;
 use warpfront::scene::LightSampling::{Geodesic, Off};
-use warpfront::spacetime::{KerrNewman, Placement, SpacetimeKind};
+use warpfront::shade::{Environment, LatLong, Material};
+use warpfront::spacetime::{AtInfinity, KerrNewman, Placement, Side, SpacetimeKind};
 
 /// Samples of a test: few enough that the edges of regions within cells do not show.
 const COUNT: usize = 5000;
@@ -99,6 +100,66 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
     verdict.check();
 }
 
+/// A dark sky with two bright spots, one of them a pixel.
+fn sky() -> Environment {
+    let (width, height) = (64, 32);
+    let mut pixels = vec![Vec3::splat(0.1); width * height];
+    for (x, y, radiance) in [(40, 9, 500.0), (10, 20, 20.0), (11, 20, 20.0), (11, 21, 20.0)] {
+        pixels[y * width + x] = Vec3::splat(radiance);
+    }
+    Environment::Image(LatLong { width, height, pixels, from_world: DMat3::from_rotation_x(0.4) })
+}
+
+#[test]
+fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
+    let (mut random, mut verdict) = (Random::new(5), Verdict::default());
+    for number in 0..4 {
+        let a = [0.9, -0.998, 0.0, 0.5][number];
+        let mut scene = lamps(DVec3::X, 1.0);
+        let axis = random.direction();
+        spin(&mut scene, (2.0, a, 0.0), Placement { axis, ..DVec3::ZERO.into() });
+        let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
+        let frame = scene.spacetime.rest_frame();
+        let sampler = Regions::new(PlacedHole::new(placement, &hole), frame, number as u32 % 2);
+        let lights = Lights::new(&scene.geometry, &[Material::default()], &sky(), &[], 0.1);
+        assert!(lights.has_sky() && lights.emitters().is_empty());
+        let Environment::Image(picture) = sky() else { unreachable!() };
+        let tiles = Sky::new(&picture).unwrap();
+        let position = random.log_between(4.0, 25.0) * random.direction();
+        let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
+        let samples: Vec<_> = (0..4 * COUNT)
+            .map(|_| sampler.sample(&lights, &receiver, [0; 4].map(|_| random.between(0.0, 1.0))))
+            .collect();
+        // The tile of the brightest pixel, and where it is seen.
+        let tile = (0..100).filter_map(|i| tiles.choose_tile(0.01 * f64::from(i)));
+        let (index, tile, _) = tile.max_by(|a, b| a.1.pmf.total_cmp(&b.1.pmf)).unwrap();
+        let bright = tile.middle;
+        assert_eq!(tiles.tile_of(bright).0, index);
+        let there = AtInfinity { side: Side::Near, direction: bright };
+        let density = |direction| sampler.sky_density(&lights, &receiver, direction, there);
+        let mine: Vec<_> = samples
+            .iter()
+            .map(|sample| sample.filter(|sample| sample.target == Target::SkyTile(Side::Near, index)))
+            .collect();
+        let first = mine.iter().flatten().next().expect("a sample of the bright pixel");
+        for sample in mine.iter().flatten().take(200) {
+            let Incoming::Seen(said) = sample.light else { panic!("{:?}", sample.light) };
+            let error = density(sample.direction) / said - 1.0;
+            assert!(error.abs() < 1e-9, "{number}: {said} is not {}", density(sample.direction));
+        }
+        if number % 2 == 0 {
+            let spread =
+                mine.iter().flatten().map(|sample| 0.25 * sample.direction.distance_squared(first.direction));
+            let spread = spread.fold(0.0, f64::max);
+            let directions = Directions { near: 0.1 * spread, ..Directions::even(first.direction) };
+            let chance =
+                directions.probability(mine.iter().map(|sample| Some(sample.as_ref()?.direction)), density);
+            verdict.add(format!("{number}, a = {a}"), chance);
+        }
+    }
+    verdict.check();
+}
+
 #[test]
 fn no_place_of_a_light_or_a_receiver_is_too_odd() {
     let mut random = Random::new(2);
@@ -118,14 +179,17 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let position = radius(&mut random) * if along { -*axis } else { random.direction() };
         let position = if number % 7 == 0 { place } else { position };
         let scene = lamps(place, near(&mut random));
-        let Baked { geometry, materials, environment, .. } = &scene;
-        let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+        let lights = Lights::new(&scene.geometry, &scene.materials, &sky(), &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         for _ in 0..20 {
             let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
-            let Incoming::Radiance(radiance, density) = sample.light else { panic!("{:?}", sample.light) };
-            assert!(radiance == Vec3::ONE && density > 0.0 && density.is_finite(), "{number}: {density}");
+            let density = match sample.light {
+                Incoming::Radiance(radiance, density) if radiance == Vec3::ONE => density,
+                Incoming::Seen(density) => density,
+                light => panic!("{light:?}"),
+            };
+            assert!(density > 0.0 && density.is_finite(), "{number}: {density}");
             assert!((sample.direction.length() - 1.0).abs() < 1e-9, "{number}: {}", sample.direction);
         }
     }
