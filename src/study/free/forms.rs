@@ -15,14 +15,14 @@ impl TableForm {
             Some(Listed::Holes) => return &several_holes::FORM,
             Some(Listed::Lenses) | None => {}
         }
-        entry.example().visit(FormVisitor)
+        entry.example().visit(TableFormVisitor)
     }
 }
 
 /// Visitor that finds the form of a family.
-struct FormVisitor;
+struct TableFormVisitor;
 
-impl SpacetimeVisitor for FormVisitor {
+impl SpacetimeVisitor for TableFormVisitor {
     type Output = &'static TableForm;
 
     fn flat(self) -> &'static TableForm {

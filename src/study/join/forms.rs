@@ -15,14 +15,14 @@ impl JoinForm {
             Some(Listed::Holes) => return &several_holes::FORM,
             Some(Listed::Lenses) | None => {}
         }
-        entry.example().visit(FormVisitor)
+        entry.example().visit(JoinFormVisitor)
     }
 }
 
 /// Visitor that finds the form of a family.
-struct FormVisitor;
+struct JoinFormVisitor;
 
-impl SpacetimeVisitor for FormVisitor {
+impl SpacetimeVisitor for JoinFormVisitor {
     type Output = &'static JoinForm;
 
     fn flat(self) -> &'static JoinForm {

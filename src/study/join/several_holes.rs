@@ -118,9 +118,10 @@ fn joint(
     // Singular values of the change of direction with the place: the smaller one's inverse is the largest change of place.
     let (trace, product) = (a.length_squared() + b.length_squared(), a.cross(b).length_squared());
     let smaller = 2.0 * product / (trace + (trace * trace - 4.0 * product).max(0.0).sqrt());
+    let (time, arrival) = timed(field, control, (x, y), image)?;
     Some(FieldJoint {
-        directions: [image.direction, image.arrival],
-        time: time(field, control, (x, y), image)?,
+        directions: [image.direction, arrival],
+        time,
         spread,
         reversed_spread: spread * frequency_ratio * frequency_ratio,
         frequency_ratio,
@@ -128,14 +129,14 @@ fn joint(
     })
 }
 
-/// Coordinate time from x to y along a connection: to where it leaves a small sphere that ends at y. A passage of that sphere
-/// before is passed over.
-fn time(
+/// Coordinate time from x to y along a connection, and its unit direction there: to where it leaves a small sphere that ends
+/// at y.
+fn timed(
     field: &SeveralHoles,
     control: &FieldControl,
     (x, y): (DVec3, DVec3),
     image: &FieldConnection,
-) -> Option<f64> {
+) -> Option<(f64, DVec3)> {
     let radius = TIMED * x.distance(y);
     let sphere = (y - radius * image.arrival, radius);
     let start = FieldRays::new(field, &alone(x), &alone(image.direction));

@@ -21,8 +21,8 @@ fn cells(x: DVec3, y: DVec3) -> String {
 }
 
 /// Checks that the exact rays, from each x to its y, are among those found, and returns the largest errors of directions,
-/// of angles swept and of relative times.
-fn check(exact: &[Row], found: &[Row], name: &str) -> [f64; 3] {
+/// of angles swept and of relative times, which are below those allowed.
+fn check(exact: &[Row], found: &[Row], name: &str, allowed: [f64; 3]) -> [f64; 3] {
     let mut worst = [0.0f64; 3];
     for exact in exact {
         let (id, phi) = (exact.text("id"), exact.number("phi"));
@@ -38,7 +38,8 @@ fn check(exact: &[Row], found: &[Row], name: &str) -> [f64; 3] {
         // Ends are given to rounding, which near the critical ray decides how far it winds.
         let swept = off(&ray) / ray.number("swing").max(1.0);
         let errors = [turned[0].max(turned[1]), swept, late];
-        assert!(errors.iter().all(|&error| error < 1e-9), "{name} row {id}: {errors:?} {ray:?}");
+        let is_good = errors.iter().zip(allowed).all(|(&error, allowed)| error < allowed);
+        assert!(is_good, "{name} row {id}: {errors:?} {ray:?}");
         for (worst, error) in worst.iter_mut().zip(errors) {
             *worst = worst.max(error);
         }
@@ -55,7 +56,7 @@ fn the_rays_of_an_ellis_wormhole_join_their_ends() {
         pairs += &format!("{},{},{ends}\n", row.text("id"), row.text("b0"));
     }
     let found = connected(&pairs, "ellis-wormhole", &["--max-winding", "8"]);
-    println!("directions, angles, times: {:?}", check(&exact, &found, "Ellis"));
+    println!("directions, angles, times: {:?}", check(&exact, &found, "Ellis", [1e-9; 3]));
 }
 
 #[test]
@@ -75,7 +76,8 @@ fn the_rays_of_interstellars_wormhole_join_their_ends() {
         pairs += &format!("{},{rho:?},{a:?},{w:?},{}\n", row.text("id"), cells(x, y));
     }
     let found = connected(&pairs, "interstellar-wormhole", &["--max-winding", "8"]);
-    println!("directions, angles, times: {:?}", check(&exact, &found, "Interstellar"));
+    // Far away its index goes as a logarithm, of which a polynomial holds eight digits: times are long there.
+    println!("directions, angles, times: {:?}", check(&exact, &found, "Interstellar", [1e-9, 1e-9, 1e-7]));
 }
 
 #[test]
@@ -135,7 +137,9 @@ fn a_wormhole_that_cannot_be_and_points_at_its_centre_are_refused() {
         ("narrow.csv", "rho,a,W,x0,x1,x2,y0,y1,y2\n1,1,1e-9,3,0,0,0,3,0\n"),
         ("centre.csv", "b0,x0,x1,x2,y0,y1,y2\n1,3,0,0,0,0,0\n"),
     ]);
-    let run = |spacetime: &str, table: &str| place.run(&["connect", "--spacetime", spacetime, table]);
+    let run = |spacetime: &str, table: &str| {
+        place.run(&["connect", "--spacetime", spacetime, table, "-o", "out.csv"])
+    };
     assert_refused(&run("interstellar-wormhole", "narrow.csv"), &["line 2", "lensing_width", "help: "]);
     assert_refused(&run("ellis-wormhole", "centre.csv"), &["line 2", "`y0`", "distance", "help: "]);
 }

@@ -258,7 +258,7 @@ fn both_sides_of_a_wormhole_are_drawn_and_rays_go_on_beyond_the_throat() {
         .replace("schwarzschild_radius = 1\n", "");
     let ball = "[[entity]]\nsphere = { center = [50, 2, -5], radius = 2 }\nside = \"far\"\n";
     let place = Folder::with(&[("scene.toml", &(scene + ball))]);
-    assert_good(&draw(&place, "rays.csv", &["--count", "61"]));
+    assert_good(&draw(&place, "rays.csv", &["--count", "61", "--fan", "12"]));
     let text = place.read("rays.csv");
     assert_eq!(text.lines().next(), Some("ray,point,x,y,z,fate,side"));
     let mut rays: BTreeMap<u32, Vec<(DVec3, bool, String)>> = BTreeMap::new();
@@ -291,7 +291,7 @@ fn both_sides_of_a_wormhole_are_drawn_and_rays_go_on_beyond_the_throat() {
         }
     }
     assert!(met > 1 && passed > met, "{met} of {passed}");
-    assert_good(&draw(&place, "rays.svg", &["--count", "61"]));
+    assert_good(&draw(&place, "rays.svg", &["--count", "61", "--fan", "12"]));
     let picture = place.read("rays.svg");
     assert!(picture.contains("near side") && picture.contains("far side"), "{picture}");
 }

@@ -19,7 +19,19 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("plot", &["film"]),
     (
         "study",
-        &["trace", "scene", "film", "plot", "shade", "geometry", "geodesic", "spacetime", "math", "text"],
+        &[
+            "trace",
+            "scene",
+            "film",
+            "plot",
+            "light",
+            "shade",
+            "geometry",
+            "geodesic",
+            "spacetime",
+            "math",
+            "text",
+        ],
     ),
     (
         "cli",
