@@ -145,7 +145,9 @@ fn timed(
         time += elapsed_in_field(field, start, step, h);
     });
     match journey.end {
-        FieldEnd::Crosses(at, _) => Some(time + field.potential(y).powi(2) * (y - at).dot(image.arrival)),
+        FieldEnd::Crosses(at, arrival) => {
+            Some((time + field.potential(y).powi(2) * (y - at).dot(arrival), arrival))
+        }
         FieldEnd::Falls(_) | FieldEnd::Misses | FieldEnd::StepLimit | FieldEnd::NonFinite => None,
     }
 }
