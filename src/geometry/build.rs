@@ -4,8 +4,9 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, EMPTY, LEAF_SIZE};
+use super::facets::Facets;
 use super::scene::{Item, Placed, SharedMesh, Single};
-use super::{Counts, Disk, Geometry, Instance, Mesh, Primitives, Sphere, Surface, Triangle};
+use super::{Counts, Disk, Geometry, Instance, Line, Mesh, Primitives, Sphere, Surface, Triangle};
 use crate::math::columns::Columns;
 
 impl Geometry {
@@ -50,6 +51,7 @@ impl Geometry {
             bvh: Bvh::build(0, |_| Default::default()),
             others,
             triangles: Columns::default(),
+            facets: Facets::default(),
             singles,
             spheres,
             disks,
@@ -90,6 +92,10 @@ impl Geometry {
                 in_slots(&bvh, |index| index.checked_sub(others).map_or(Triangle::NOWHERE, triangle));
         }
         (self.typical_extent, self.bvh) = (typical_extent, bvh);
+        if self.is_small::<Line>() {
+            let slots = self.bvh.filled().filter(|&(_, index)| index as usize >= others);
+            self.facets = Facets::new(slots.map(|(slot, _)| (slot, self.triangle(slot))));
+        }
     }
 
     fn item_box(&self, item: Item) -> (DVec3, DVec3) {
