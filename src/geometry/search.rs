@@ -158,7 +158,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
                     let Query { segment, origin_prim, .. } = queries.get(next);
                     lane_walk.lane = next;
                     lane_walk.nearest = Nearest::new(geometry, &segment, origin_prim);
-                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), &mut lane_walk.nearest);
+                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), 1.0, &mut lane_walk.nearest);
                 } else {
                     lane_walk.walk.step(bvh, &mut lane_walk.nearest);
                 }
