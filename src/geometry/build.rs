@@ -4,8 +4,9 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
 use super::bvh::{Bvh, EMPTY, LEAF_SIZE};
+use super::facets::Facets;
 use super::scene::{Item, Placed, SharedMesh, Single};
-use super::{Counts, Disk, Geometry, Instance, Mesh, Primitives, Sphere, Surface, Triangle};
+use super::{Counts, Disk, Geometry, Instance, Line, Mesh, Primitives, Sphere, Surface, Triangle};
 use crate::math::columns::Columns;
 
 impl Geometry {
@@ -47,9 +48,10 @@ impl Geometry {
 
         let mut geometry = Self {
             origin,
-            bvh: Bvh::build(0, |_| Default::default()),
+            bvh: Bvh::build(0, 0..0, |_| Default::default()),
             others,
             triangles: Columns::default(),
+            facets: Facets::default(),
             singles,
             spheres,
             disks,
@@ -76,6 +78,7 @@ impl Geometry {
     /// their boxes and in order: to keep them in between would take more memory than anything else.
     fn build_top(&mut self, triangles: usize, placings: &[Placing]) {
         let (others, count) = (self.others.len(), self.others.len() + triangles);
+        let instances = self.spheres.len() + self.disks.len()..others;
         let triangle = |number: usize| {
             let Single { first, instance } = self.single(number as u32);
             placings[instance as usize].triangle(number as u32 - first)
@@ -84,12 +87,16 @@ impl Geometry {
             Some(&item) => self.item_box(item),
             None => triangle(index - others).bounds(),
         };
-        let (typical_extent, bvh) = (self.median_extent(count, bounds), Bvh::build(count, bounds));
+        let (typical_extent, bvh) = (self.median_extent(count, bounds), Bvh::build(count, instances, bounds));
         if triangles > 0 {
             self.triangles =
                 in_slots(&bvh, |index| index.checked_sub(others).map_or(Triangle::NOWHERE, triangle));
         }
         (self.typical_extent, self.bvh) = (typical_extent, bvh);
+        if self.is_small::<Line>() {
+            let slots = self.bvh.filled().filter(|&(_, index)| index as usize >= others);
+            self.facets = Facets::new(slots.map(|(slot, _)| (slot, self.triangle(slot))));
+        }
     }
 
     fn item_box(&self, item: Item) -> (DVec3, DVec3) {
@@ -149,7 +156,7 @@ impl Geometry {
 impl SharedMesh {
     fn build(mesh: &Mesh) -> Self {
         let placing = Placing::new(mesh, DAffine3::IDENTITY);
-        let bvh = Bvh::build(mesh.triangles.len(), |i| placing.triangle(i as u32).bounds());
+        let bvh = Bvh::build(mesh.triangles.len(), 0..0, |i| placing.triangle(i as u32).bounds());
         let triangles = in_slots(&bvh, |index| placing.triangle(index as u32));
         Self { bvh, triangles }
     }

@@ -110,7 +110,7 @@ impl Geometry {
         let local = point - self.origin;
         let line = Line { p0: local - way, p2: local + way };
         let mut upon = Upon { geometry: self, line, found: Vec::new() };
-        self.bvh.walk(&line.chord(), &mut upon);
+        self.bvh.walk(&line.chord(), 1.0, &mut upon);
         let mut found = upon.found;
         found.retain(|&other| other != primitive && self.coincide(primitive, other, point));
         found.sort_by_key(|&other| self.given(other));
@@ -172,9 +172,8 @@ impl Visitor for Upon<'_> {
                     let placed = &geometry.placed[i as usize];
                     if let Some(shared) = &geometry.shared[placed.mesh as usize] {
                         let line = line.transformed(&placed.to_object);
-                        shared
-                            .bvh
-                            .walk(&line.chord(), &mut UponTriangles { shared, line, item: slot, found });
+                        let mut triangles = UponTriangles { shared, line, item: slot, found };
+                        shared.bvh.walk(&line.chord(), 1.0, &mut triangles);
                     }
                     f64::INFINITY
                 }

@@ -30,9 +30,9 @@ pub struct Cull {
 
 /// Rounding of a volume beside the product of the largest components of its factors: a dozen roundings of half an
 /// epsilon of six products; thrice that.
-const ROUNDING: f32 = 64.0 * f32::EPSILON;
+pub(super) const ROUNDING: f32 = 64.0 * f32::EPSILON;
 /// Beyond this the product of three lengths leaves the range of f32.
-const LARGEST: f32 = 1e12;
+pub(super) const LARGEST: f32 = 1e12;
 
 impl Cull {
     /// Room for a chord.
@@ -92,7 +92,7 @@ impl Cull {
 
 /// Largest component by size.
 #[inline(always)]
-fn largest(v: Vec3) -> f32 {
+pub(super) fn largest(v: Vec3) -> f32 {
     max(max(v.x.abs(), v.y.abs()), v.z.abs())
 }
 

@@ -12,6 +12,7 @@ mod cross_section;
 mod cull;
 mod disk;
 mod distance;
+mod facets;
 mod line;
 mod mesh;
 mod nearest;

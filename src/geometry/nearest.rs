@@ -76,7 +76,7 @@ impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
     #[inline(always)]
     fn call(self) -> Option<Hit> {
         let mut nearest = Nearest::new(self.geometry, self.segment, self.origin_prim);
-        self.geometry.bvh.walk(&nearest.chord(), &mut nearest);
+        self.geometry.bvh.walk(&nearest.chord(), 1.0, &mut nearest);
         nearest.hit
     }
 }
@@ -138,7 +138,8 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let (s, triangle) = cross_other(geometry, slot, &self.segment, origin_prim);
+                    let before = self.hit.map_or(f64::INFINITY, |hit| hit.s);
+                    let (s, triangle) = cross_other(geometry, slot, (&self.segment, before), origin_prim);
                     self.consider(s, slot, triangle);
                 }
             }
@@ -154,12 +155,12 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     }
 }
 
-/// First crossing of what is no triangle by `segment` (relative to the origin), by parameter (infinite if there is
-/// none) and triangle of an instance.
+/// First crossing of what is no triangle by a segment (relative to the origin), by parameter (infinite if there is
+/// none) and triangle of an instance. Those that are not `before` a parameter need not be found.
 fn cross_other<S: Segment, L: Leaving>(
     geometry: &Geometry,
     slot: u32,
-    segment: &S,
+    (segment, before): (&S, f64),
     origin_prim: L,
 ) -> (f64, u32) {
     let primitive = PrimitiveId { item: slot, triangle: 0 };
@@ -176,24 +177,27 @@ fn cross_other<S: Segment, L: Leaving>(
             (if origin_prim.leaves_also(primitive, s) { segment.cross_disk(disk, true) } else { s }, 0)
         }
         Item::Instance(i) => {
-            cross_instance(geometry, slot, &geometry.placed[i as usize], segment, origin_prim)
+            cross_instance(geometry, slot, &geometry.placed[i as usize], (segment, before), origin_prim)
         }
         Item::Triangle(_) => (f64::INFINITY, 0),
     }
 }
 
 /// First crossing of a triangle of the mesh placed in a slot, by parameter (infinite if there is none) and slot in the
-/// mesh.
+/// mesh. Those that are not `before` a parameter need not be found.
 fn cross_instance<S: Segment, L: Leaving>(
     geometry: &Geometry,
     item: u32,
     placed: &Placed,
-    segment: &S,
+    (segment, before): (&S, f64),
     origin_prim: L,
 ) -> (f64, u32) {
     let Some(shared) = &geometry.shared[placed.mesh as usize] else { return (f64::INFINITY, 0) };
     let segment = segment.transformed(&placed.to_object);
-    let along = Along::new(segment.chord());
+    let mut along = Along::new(segment.chord());
+    if before < f64::INFINITY {
+        along.end_at(segment.point(before));
+    }
     widest(NearestInside { shared, segment, along, origin_prim, item, hit: (f64::INFINITY, 0) })
 }
 
@@ -215,8 +219,8 @@ impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for NearestInside<'_, S, L> {
 
     #[inline(always)]
     fn call(mut self) -> (f64, u32) {
-        let chord = self.along.chord;
-        self.shared.bvh.walk(&chord, &mut self);
+        let Along { chord, until, .. } = self.along;
+        self.shared.bvh.walk(&chord, until, &mut self);
         self.hit
     }
 }

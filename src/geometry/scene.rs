@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::bvh::{Bvh, EMPTY};
 use super::distance::Reach;
+use super::facets::Facets;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 use crate::math::columns::{Columns, columns, plain_field};
 use crate::spacetime::Side;
@@ -195,6 +196,8 @@ pub struct Geometry {
     pub(super) others: Vec<Item>,
     /// By leaf slot of the top hierarchy; empty where there is none.
     pub(super) triangles: Columns<Triangle>,
+    /// The triangles again, where the scene is small.
+    pub(super) facets: Facets,
     /// By number of their triangles.
     pub(super) singles: Vec<Single>,
     pub(super) spheres: Vec<(Sphere, Surface)>,
@@ -244,6 +247,12 @@ impl Geometry {
     /// All members of the top hierarchy, with their slots.
     pub(super) fn members(&self) -> impl Iterator<Item = (u32, Item)> {
         self.bvh.filled().map(|(slot, _)| (slot, self.item(slot)))
+    }
+
+    /// Members of the top hierarchy but triangles, with their slots.
+    pub(super) fn others(&self) -> impl Iterator<Item = (u32, Item)> {
+        let other = |(slot, index): (u32, u32)| self.others.get(index as usize).map(|&item| (slot, item));
+        self.bvh.filled().take(if self.others.is_empty() { 0 } else { usize::MAX }).filter_map(other)
     }
 
     /// The triangle in a slot of the top hierarchy.

@@ -32,6 +32,8 @@ pub struct Search<S: SideBySide> {
     /// The first crossing, by lane; nothing for what is not to be searched as a whole.
     pub found: Vec<Option<Found>>,
     few: SmallScene,
+    /// Lanes whose first crossing is near their start.
+    near_start: Vec<usize>,
     part: SideQueries<S>,
 }
 
@@ -48,16 +50,22 @@ const TURNS: usize = 8;
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
         let part = SideQueries { lanes: Vec::new(), queries: Columns::default(), found: Vec::new() };
-        Self { queries: Columns::default(), found: Vec::new(), few: SmallScene::default(), part }
+        Self {
+            queries: Columns::default(),
+            found: Vec::new(),
+            few: SmallScene::default(),
+            near_start: Vec::new(),
+            part,
+        }
     }
 }
 
 impl Geometry {
     /// Searches the first `lanes` queries of `search`, each on the side of the primitive that it starts on.
     pub fn search_all<S: SideBySide>(&self, search: &mut Search<S>, lanes: usize) {
-        let Search { queries, found, few, part } = search;
+        let Search { queries, found, few, near_start, part } = search;
         if self.far.is_none() {
-            return self.search_own(queries, found, few, lanes);
+            return self.search_own(queries, found, (few, near_start), lanes);
         }
         found.clear();
         found.resize(lanes, None);
@@ -70,7 +78,8 @@ impl Geometry {
                 let query = queries.get(part.lanes[i]);
                 Query { origin_prim: query.origin_prim.on(Side::Near), ..query }
             });
-            geometry.search_own(&part.queries, &mut part.found, few, part.lanes.len());
+            let lanes = part.lanes.len();
+            geometry.search_own(&part.queries, &mut part.found, (few, near_start), lanes);
             for (&lane, hit) in part.lanes.iter().zip(&part.found) {
                 found[lane] = hit.map(|hit| Found { primitive: hit.primitive.on(side), ..hit });
             }
@@ -82,27 +91,19 @@ impl Geometry {
         &self,
         queries: &Columns<Query<S>>,
         found: &mut Vec<Option<Found>>,
-        few: &mut SmallScene,
+        (few, near_start): (&mut SmallScene, &mut Vec<usize>),
         lanes: usize,
     ) {
-        found.clear();
-        found.resize(lanes, None);
+        near_start.clear();
         if self.is_small::<S>() {
-            few.search::<S>(self, queries.blocks(lanes));
-            for (lane, found) in found.iter_mut().enumerate() {
-                let (s, primitive) = few.first(lane);
-                let point = || queries.get(lane).segment.point(s);
-                *found = (s < f64::INFINITY).then(|| Found { point: point(), primitive });
-            }
+            few.search::<S>(self, (queries.blocks(lanes), lanes), found, near_start);
         } else {
-            widest(Interleaved { geometry: self, queries, found });
+            found.clear();
+            found.resize(lanes, None);
+            widest(Interleaved { geometry: self, queries, found, near_start });
         }
-        for (lane, found) in found.iter_mut().enumerate() {
-            if let Some(Found { point, .. }) = found
-                && self.is_near_start(queries.get(lane).segment.chord().start, *point)
-            {
-                *found = self.found_near_start(&queries.get(lane));
-            }
+        for &lane in near_start.iter() {
+            found[lane] = self.found_near_start(&queries.get(lane));
         }
     }
 
@@ -121,6 +122,7 @@ struct Interleaved<'a, S: SideBySide> {
     geometry: &'a Geometry,
     queries: &'a Columns<Query<S>>,
     found: &'a mut [Option<Found>],
+    near_start: &'a mut Vec<usize>,
 }
 
 /// A walk with what it looks for, and for which lane.
@@ -135,7 +137,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Interleaved { geometry, queries, found } = self;
+        let Interleaved { geometry, queries, found, near_start } = self;
         let bvh = &geometry.bvh;
         let mut walks: [LaneWalk<S>; TURNS] = std::array::from_fn(|_| LaneWalk {
             walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
@@ -156,7 +158,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
                     let Query { segment, origin_prim, .. } = queries.get(next);
                     lane_walk.lane = next;
                     lane_walk.nearest = Nearest::new(geometry, &segment, origin_prim);
-                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), &mut lane_walk.nearest);
+                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), 1.0, &mut lane_walk.nearest);
                 } else {
                     lane_walk.walk.step(bvh, &mut lane_walk.nearest);
                 }
@@ -164,10 +166,15 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
                     lane_walk.walk.prefetch(bvh, &lane_walk.nearest);
                     busy = true;
                 } else {
-                    let point = |s: f64| queries.get(lane_walk.lane).segment.point(s);
-                    let hit = lane_walk.nearest.hit;
-                    found[lane_walk.lane] =
-                        hit.map(|hit| Found { point: point(hit.s), primitive: hit.primitive });
+                    let LaneWalk { lane, nearest: Nearest { hit, .. }, .. } = *lane_walk;
+                    if let Some(Hit { s, primitive }) = hit {
+                        let segment = queries.get(lane).segment;
+                        let point = segment.point(s);
+                        found[lane] = Some(Found { point, primitive });
+                        if geometry.is_near_start(segment.chord().start, point) {
+                            near_start.push(lane);
+                        }
+                    }
                 }
             }
         }

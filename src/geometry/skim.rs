@@ -2,10 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::line::LineBlock;
 use super::primitives::{Disk, Sphere};
-use super::small_scene::Culled;
+use super::small_scene::{Crossings, Culled, cross_triangles};
 use super::triangle::Triangle;
-use super::{Chord, Line, Segment, SideBySide};
+use super::{Chord, Geometry, Line, Segment, SideBySide};
 use crate::math::columns::{LANES, Row};
 
 /// A line between two points of a surface: it starts on that and never meets it.
@@ -81,6 +82,7 @@ const ROUNDING: f64 = 1e-14;
 
 impl SideBySide for Skim {
     const FEW: usize = Line::FEW;
+    const TRIANGLES: usize = Line::TRIANGLES;
     type Prepared = Skim;
 
     #[inline(always)]
@@ -112,6 +114,11 @@ impl SideBySide for Skim {
                 s[lane] = Skim::get(skims, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
             }
         }
+    }
+
+    #[inline(always)]
+    fn cross_triangles(geometry: &Geometry, skims: &LineBlock, own: &[u64; LANES], first: &mut Crossings) {
+        cross_triangles(geometry, skims, own, first);
     }
 }
 

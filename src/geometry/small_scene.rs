@@ -5,13 +5,15 @@
 
 use glam::DVec3;
 
+use super::facets::Foremost;
+use super::line::LineBlock;
 use super::query::{Need, Query, QueryBlock};
 use super::scene::Item;
 use super::sphere::FromStart;
-use super::{Geometry, Line, PrimitiveId, Segment, Sphere};
+use super::{Found, Geometry, Line, PrimitiveId, Segment, Sphere, Triangle};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
-use crate::math::columns::{LANES, Row};
+use crate::math::columns::{Field, LANES, Row};
 use crate::math::kernel::widest;
 
 /// Shift that makes a segment NaN, so that it meets nothing.
@@ -19,7 +21,7 @@ const NOWHERE: DVec3 = DVec3::NAN;
 
 /// First crossings of the segments of a block.
 #[derive(Clone, Copy, Debug)]
-struct Crossings {
+pub struct Crossings {
     /// Parameters; infinite where there is none.
     s: [f64; LANES],
     /// Slots of the primitives crossed.
@@ -89,24 +91,25 @@ pub struct SmallScene {
 }
 
 impl SmallScene {
-    /// Searches blocks of queries. Only where there are [few](Geometry::is_small) primitives.
-    pub fn search<S: SideBySide>(&mut self, geometry: &Geometry, queries: &[<Query<S> as Row>::Block]) {
-        widest(Searching::<S> { geometry, queries, few: self });
-    }
-
-    /// Parameter, infinite if there is none, and primitive of the first crossing of a lane's segment.
-    #[inline(always)]
-    pub fn first(&self, lane: usize) -> (f64, PrimitiveId) {
-        let block = &self.best[lane / LANES];
-        let item = block.slot[lane % LANES];
-        (block.s[lane % LANES], PrimitiveId { item, triangle: 0 })
+    /// Searches the first `lanes` lanes of blocks of queries; `near_start` are those whose first crossing is near their
+    /// start. Only where there are [few](Geometry::is_small) primitives.
+    pub fn search<S: SideBySide>(
+        &mut self,
+        geometry: &Geometry,
+        (queries, lanes): (&[<Query<S> as Row>::Block], usize),
+        found: &mut Vec<Option<Found>>,
+        near_start: &mut Vec<usize>,
+    ) {
+        widest(Searching::<S> { geometry, queries, lanes, few: self, found, near_start });
     }
 }
 
-/// A segment whose crossings of spheres are found side by side.
+/// A segment whose crossings of primitives are found side by side.
 pub trait SideBySide: Segment + Row {
     /// Up to this many primitives are tested side by side: beyond, a hierarchy is faster.
     const FEW: usize;
+    /// Triangles that take the time of another primitive.
+    const TRIANGLES: usize;
 
     /// Segment with all that is the same for all spheres.
     type Prepared: Row;
@@ -123,10 +126,19 @@ pub trait SideBySide: Segment + Row {
         s: &mut [f64; LANES],
         screened: &mut Culled,
     );
+
+    /// Takes crossings of triangles into account. With the segments come the slots that they start on.
+    fn cross_triangles(
+        geometry: &Geometry,
+        segments: &Self::Block,
+        own: &[u64; LANES],
+        first: &mut Crossings,
+    );
 }
 
 impl SideBySide for Line {
     const FEW: usize = 16;
+    const TRIANGLES: usize = 4;
     type Prepared = Line;
 
     #[inline(always)]
@@ -146,10 +158,55 @@ impl SideBySide for Line {
             s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
         }
     }
+
+    #[inline(always)]
+    fn cross_triangles(geometry: &Geometry, lines: &LineBlock, own: &[u64; LANES], first: &mut Crossings) {
+        cross_triangles(geometry, lines, own, first);
+    }
+}
+
+/// Takes crossings of triangles by lines into account.
+#[inline(always)]
+pub(super) fn cross_triangles(
+    geometry: &Geometry,
+    lines: &LineBlock,
+    own: &[u64; LANES],
+    first: &mut Crossings,
+) {
+    let own = own.map(|slot| slot as u32);
+    let Foremost { slot, next } = geometry.facets.foremost(lines, &own);
+    let mut triangles = <Triangle as Row>::Block::default();
+    for (lane, &slot) in slot.iter().enumerate() {
+        let is_any = slot != Foremost::NONE;
+        let triangle = if is_any { geometry.triangle(slot) } else { Triangle::NOWHERE };
+        Triangle::set(&mut triangles, lane, triangle);
+    }
+    let mut s = [0.0; LANES];
+    for (lane, s) in s.iter_mut().enumerate() {
+        *s = Line::get(lines, lane).cross_triangle(&Triangle::get(&triangles, lane), false);
+    }
+    for lane in 0..LANES {
+        if s[lane] < f64::from(next[lane]) {
+            first.consider(geometry, lane, slot[lane], s[lane]);
+        } else if slot[lane] != Foremost::NONE && next[lane] < f32::INFINITY {
+            all_triangles(geometry, &Line::get(lines, lane), (lane, own[lane]), first);
+        }
+    }
+}
+
+/// Takes crossings of all triangles by the line of a lane into account.
+#[cold]
+#[inline(never)]
+fn all_triangles(geometry: &Geometry, line: &Line, (lane, own): (usize, u32), first: &mut Crossings) {
+    for slot in geometry.facets.slots() {
+        let s = line.cross_triangle(&geometry.triangle(slot), slot == own);
+        first.consider(geometry, lane, slot, s);
+    }
 }
 
 impl SideBySide for Arc {
     const FEW: usize = 12;
+    const TRIANGLES: usize = 1;
     type Prepared = FromStart;
 
     #[inline(always)]
@@ -172,6 +229,23 @@ impl SideBySide for Arc {
             false => cull(arcs, &sphere, |_| false),
         };
         screened.push(slot, along, may);
+    }
+
+    #[inline(always)]
+    fn cross_triangles(
+        geometry: &Geometry,
+        arcs: &<Arc as Row>::Block,
+        own: &[u64; LANES],
+        first: &mut Crossings,
+    ) {
+        for slot in geometry.facets.slots() {
+            let triangle = geometry.triangle(slot);
+            let mut s = [f64::INFINITY; LANES];
+            for lane in 0..LANES {
+                s[lane] = Arc::get(arcs, lane).cross_triangle(&triangle, own[lane] == u64::from(slot));
+            }
+            first.consider_all(geometry, slot, &s);
+        }
     }
 }
 
@@ -201,7 +275,9 @@ fn cull(
 impl Geometry {
     /// True if segments of this kind are tested against all primitives side by side.
     pub fn is_small<S: SideBySide>(&self) -> bool {
-        self.bvh.len() <= S::FEW && !self.others.iter().any(|item| matches!(item, Item::Instance(_)))
+        let triangles = self.bvh.len() - self.others.len();
+        self.others.len() * S::TRIANGLES + triangles <= S::FEW * S::TRIANGLES
+            && !self.others.iter().any(|item| matches!(item, Item::Instance(_)))
     }
 
     /// True if slot `a` was given before slot `b`.
@@ -215,7 +291,10 @@ impl Geometry {
 struct Searching<'a, S: SideBySide> {
     geometry: &'a Geometry,
     queries: &'a [QueryBlock<S::Block>],
+    lanes: usize,
     few: &'a mut SmallScene,
+    found: &'a mut Vec<Option<Found>>,
+    near_start: &'a mut Vec<usize>,
 }
 
 impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
@@ -223,7 +302,8 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
 
     #[inline(always)]
     fn call(self) {
-        let Searching { geometry, queries, few: SmallScene { best, pending, screened } } = self;
+        let Searching { geometry, queries, lanes, few, found, near_start } = self;
+        let SmallScene { best, pending, screened } = few;
         best.clear();
         pending.clear();
         for (number, queries) in queries.iter().enumerate() {
@@ -250,6 +330,24 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
                 best[lane as usize / LANES].consider(geometry, lane as usize % LANES, slot, s);
             }
         }
+        found.clear();
+        for (number, (queries, Crossings { s, slot })) in queries.iter().zip(best.iter()).enumerate() {
+            let (mut points, mut is_near) = (DVec3::block::<LANES>(), [false; LANES]);
+            for lane in 0..LANES {
+                let segment = S::get(&queries.segment, lane);
+                let point = segment.point(s[lane]);
+                Field::set(&mut points, lane, point);
+                is_near[lane] = geometry.is_near_start(segment.chord().start, point);
+            }
+            for lane in 0..LANES.min(lanes - number * LANES) {
+                let primitive = PrimitiveId { item: slot[lane], triangle: 0 };
+                let point = <DVec3 as Field>::get(&points, lane);
+                found.push((s[lane] < f64::INFINITY).then_some(Found { point, primitive }));
+                if is_near[lane] {
+                    near_start.push(number * LANES + lane);
+                }
+            }
+        }
     }
 }
 
@@ -273,7 +371,7 @@ fn first_crossings<S: SideBySide>(
         _ => u64::MAX,
     });
     let mut best = Crossings { s: [f64::INFINITY; LANES], slot: [0; LANES] };
-    for (slot, item) in geometry.members() {
+    for (slot, item) in geometry.others() {
         let number = u64::from(slot);
         let mut s = [f64::INFINITY; LANES];
         match item {
@@ -287,22 +385,25 @@ fn first_crossings<S: SideBySide>(
                     s[lane] = S::get(&segments, lane).cross_disk(&disk, own[lane] == number);
                 }
             }
-            Item::Triangle(_) => {
-                let triangle = geometry.triangle(slot);
-                for lane in 0..LANES {
-                    s[lane] = S::get(&segments, lane).cross_triangle(&triangle, own[lane] == number);
-                }
-            }
-            Item::Instance(_) => {}
+            Item::Triangle(_) | Item::Instance(_) => {}
         }
-        if s != [f64::INFINITY; LANES] {
-            (0..LANES).for_each(|lane| best.consider(geometry, lane, slot, s[lane]));
-        }
+        best.consider_all(geometry, slot, &s);
+    }
+    if !geometry.facets.is_empty() {
+        S::cross_triangles(geometry, &segments, &own, &mut best);
     }
     best
 }
 
 impl Crossings {
+    /// Takes crossings of the primitive in a slot into account, by lane.
+    #[inline(always)]
+    fn consider_all(&mut self, geometry: &Geometry, slot: u32, s: &[f64; LANES]) {
+        if *s != [f64::INFINITY; LANES] {
+            (0..LANES).for_each(|lane| self.consider(geometry, lane, slot, s[lane]));
+        }
+    }
+
     /// Takes a crossing at `s` if it is the first, or at the same place as the first and given before it.
     #[inline(always)]
     fn consider(&mut self, geometry: &Geometry, lane: usize, slot: u32, s: f64) {

@@ -13,6 +13,8 @@ mod collapse;
 mod node;
 mod thick_ray;
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -56,12 +58,13 @@ const FEW: usize = 16;
 const MANY: usize = 1 << 12;
 
 impl Bvh {
-    /// Builds the hierarchy over `count` boxes, on all threads. A box is (min, max), finite, and within f32's range.
-    pub fn build(count: usize, bounds: impl Fn(usize) -> (DVec3, DVec3) + Sync) -> Self {
+    /// Builds the hierarchy over `count` boxes, on all threads. A box is (min, max), finite, and within f32's range. Those
+    /// that are `alone` hold much, and have a leaf each.
+    pub fn build(count: usize, alone: Range<usize>, bounds: impl Fn(usize) -> (DVec3, DVec3) + Sync) -> Self {
         let mut boxes: Vec<Aabb> = (0..count).into_par_iter().map(|i| outwards(bounds(i))).collect();
         let indices: Vec<u32> = (0..count as u32).collect();
         let whole = boxes.iter().fold(Aabb::empty(), |all, next| all.union(next));
-        if count <= FEW {
+        if count <= if alone.is_empty() { FEW } else { 1 } {
             let mut order = indices;
             order.resize(count.next_multiple_of(LEAF_SIZE), EMPTY);
             return Self { nodes: Vec::new(), order, len: count, bounds: whole, pending: 1 };
@@ -88,7 +91,7 @@ impl Bvh {
         }
         ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
         binary.parents = Vec::new();
-        let Wide { nodes, order, depth } = Wide::collapse(&binary);
+        let Wide { nodes, order, depth } = Wide::collapse(&binary, |index| alone.contains(&(index as usize)));
         Self { nodes, order, len: count, bounds: whole, pending: depth * (WIDTH - 1) }
     }
 
@@ -122,13 +125,13 @@ impl Bvh {
         size_of_val(&self.nodes[..]) + size_of_val(&self.order[..])
     }
 
-    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets, roughly front to back; where there
-    /// are few boxes, all.
+    /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets `until` a part of it, roughly front to
+    /// back; where there are few boxes, all.
     #[inline(always)]
-    pub fn walk(&self, chord: &Chord, visitor: &mut impl Visitor) {
+    pub fn walk(&self, chord: &Chord, until: f64, visitor: &mut impl Visitor) {
         fast_stack!(u64, (64, 256), self.pending, stack, {
             let mut walk = Walk::new(stack);
-            walk.start(self, chord, visitor);
+            walk.start(self, chord, until, visitor);
             while walk.is_on {
                 walk.step(self, visitor);
             }
@@ -169,15 +172,16 @@ impl<S: FastStack<u64>> Walk<S> {
         Self { ray: ThickRay::default(), stack, next: StackEntry::ROOT, is_on: false }
     }
 
-    /// Starts along `chord`.
+    /// Starts along `chord`, `until` a part of it.
     #[inline(always)]
-    pub fn start(&mut self, bvh: &Bvh, chord: &Chord, visitor: &mut impl Visitor) {
+    pub fn start(&mut self, bvh: &Bvh, chord: &Chord, until: f64, visitor: &mut impl Visitor) {
         if bvh.nodes.is_empty() {
             for number in 0..bvh.order.len() / LEAF_SIZE {
                 visitor.leaf(number);
             }
         } else if chord.end != chord.start {
             self.ray = ThickRay::new(chord);
+            self.ray.shorten(until);
             (self.next, self.is_on) = (StackEntry::ROOT, true);
         }
     }
@@ -271,7 +275,7 @@ mod tests {
     /// `count` boxes in a row along x, of half-width `half`.
     fn row(count: usize, half: f64) -> Bvh {
         let place = |i: usize| DVec3::new(3.0 * i as f64, 0.0, 0.0);
-        Bvh::build(count, |i| (place(i) - half, place(i) + half))
+        Bvh::build(count, 0..0, |i| (place(i) - half, place(i) + half))
     }
 
     /// Notes what is in the leaves that it is shown.
@@ -293,7 +297,7 @@ mod tests {
     /// Boxes that a walk along `chord` is shown, sorted by index.
     fn met(bvh: &Bvh, chord: &Chord) -> Vec<u32> {
         let mut met = Met { bvh, boxes: Vec::new() };
-        bvh.walk(chord, &mut met);
+        bvh.walk(chord, 1.0, &mut met);
         met.boxes.sort_unstable();
         met.boxes
     }
@@ -330,7 +334,7 @@ mod tests {
 
     #[test]
     fn boxes_in_one_place_are_all_found() {
-        let bvh = Bvh::build(5000, |_| (DVec3::splat(-1.0), DVec3::splat(1.0)));
+        let bvh = Bvh::build(5000, 0..0, |_| (DVec3::splat(-1.0), DVec3::splat(1.0)));
         let through = Chord { start: DVec3::splat(-3.0), end: DVec3::splat(3.0), bow: DVec3::ZERO };
         assert_eq!(met(&bvh, &through).len(), 5000);
     }
@@ -360,7 +364,7 @@ mod tests {
                     (center - half, center + half)
                 })
                 .collect();
-            let bvh = Bvh::build(boxes.len(), |i| boxes[i]);
+            let bvh = Bvh::build(boxes.len(), 0..0, |i| boxes[i]);
             for i in 0..2000 {
                 let chord = Chord { start: point(1.5), end: point(1.5), bow: f64::from(i % 3) * point(0.5) };
                 let met = met(&bvh, &chord);

@@ -38,7 +38,7 @@ impl ThickRay {
             inverse,
             nearer: shift.max(Vec3A::ZERO) + rounding,
             farther: (-shift).max(Vec3A::ZERO) + rounding,
-            until: 1.0 + SLAB_ERROR,
+            until: f32::INFINITY,
         }
     }
 
