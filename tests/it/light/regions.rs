@@ -57,7 +57,7 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
         let lights = Lights::new(geometry, materials, environment, &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         let samples: Vec<_> = (0..COUNT)
-            .map(|_| sampler.sample(&lights, &receiver, [0; 4].map(|_| random.between(0.0, 1.0))))
+            .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
         // Each density is an aim of its own: one light of each scene.
         for emitter in lights.emitters().iter().skip(number % 4).take(1) {
@@ -122,7 +122,7 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let lights = Lights::new(geometry, materials, environment, &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         for _ in 0..20 {
-            let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+            let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
             let Incoming::Radiance(radiance, density) = sample.light else { panic!("{:?}", sample.light) };
             assert!(radiance == Vec3::ONE && density > 0.0 && density.is_finite(), "{number}: {density}");
@@ -187,7 +187,7 @@ fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
     let mut random = Random::new(3);
     let mut azimuths = [0; 8];
     for _ in 0..4000 {
-        let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+        let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
         let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
         let Target::Surface(primitive, _) = sample.target else { continue };
         let emitter = lights.emitters().iter().find(|emitter| emitter.primitive == primitive);
