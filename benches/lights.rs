@@ -92,7 +92,7 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
     let sampler = sampler(scene.spacetime.clone());
     let lights = Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, 0.0);
     let places = landings(&scene, &mut random);
-    let numbers: Vec<[f64; 4]> = places.iter().map(|_| random.random()).collect();
+    let numbers: Vec<[f64; 2]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {
         for (&(position, normal, on), &u) in places.iter().zip(&numbers) {
             let receiver = Receiver { position: black_box(position), normal, on };

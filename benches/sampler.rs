@@ -1,4 +1,5 @@
-//! Random numbers: four for each of many vertices, one vertex after the other and side by side. One core.
+//! Random numbers: those of the next ray and of a light ray for each of many vertices, one vertex after the other and
+//! side by side. One core.
 
 mod common;
 
@@ -7,7 +8,7 @@ use std::hint::black_box;
 use common::ITEMS;
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use warpfront::shade::{Key, Sampler};
+use warpfront::shade::{Key, SamplePoint, Sampler};
 
 fn main() {
     divan::main();
@@ -18,33 +19,22 @@ fn keys() -> Vec<Key> {
     (0..ITEMS as u32).map(key).collect()
 }
 
-#[divan::bench]
-fn one_by_one(bencher: Bencher) {
+#[divan::bench(types = [[f32; 4], [f64; 2]])]
+fn one_by_one<P: SamplePoint>(bencher: Bencher) {
     let (sampler, keys) = (Sampler::sobol(1), keys());
     bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
         for i in 0..ITEMS {
-            black_box(sampler.four(black_box(&keys)[i]));
+            black_box(sampler.point::<P>(black_box(&keys)[i]));
         }
     });
 }
 
-#[divan::bench]
-fn side_by_side(bencher: Bencher) {
+#[divan::bench(types = [[f32; 4], [f64; 2]])]
+fn side_by_side<P: SamplePoint>(bencher: Bencher) {
     let (sampler, keys) = (Sampler::sobol(1), keys());
-    let mut numbers = Vec::new();
+    let mut points: Vec<P> = Vec::new();
     bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
-        sampler.four_all(black_box(&keys), &mut numbers);
-        black_box(&numbers);
-    });
-}
-
-#[divan::bench]
-fn library(bencher: Bencher) {
-    let keys = keys();
-    bencher.counter(ItemsCount::new(ITEMS)).bench_local(|| {
-        for i in 0..ITEMS {
-            let Key { pixel, sample, set } = black_box(&keys)[i];
-            black_box(sobol_burley::sample_4d(sample, set, pixel));
-        }
+        sampler.points(black_box(&keys), &mut points);
+        black_box(&points);
     });
 }

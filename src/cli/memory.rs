@@ -71,8 +71,8 @@ mod tests {
         let settings = Settings { width: 5, height: 2, ..Settings::default() };
         let with = |aovs: &[Aov]| film_bytes(&settings, &Run { aovs: aovs.to_vec(), ..Run::default() });
         assert_eq!(with(&[]), 10 * 4 * 8);
-        assert_eq!(with(&[Aov::Variance]), 10 * 7 * 8);
-        assert_eq!(film_bytes(&settings, &Run { noise: Some(0.1), ..Run::default() }), 10 * 7 * 8);
+        assert_eq!(with(&[Aov::Variance]), 10 * (4 + 3 * 8) * 8, "of eight runs");
+        assert_eq!(film_bytes(&settings, &Run { noise: Some(0.1), ..Run::default() }), 10 * 28 * 8);
         assert_eq!(with(&[Aov::Depth]), 10 * 6 * 8, "its sum, and how many samples hit");
         assert!(with(&[Aov::Depth, Aov::Normal]) > with(&[Aov::Depth]));
         let crop = Run { crop: Some([1, 1, 4, 2]), ..Run::default() };

@@ -191,7 +191,7 @@ pub(super) struct SettingArgs {
     /// Largest winding number of rays to lights that are looked for [default: the scene's, else 1]
     #[arg(long, value_name = "N", value_parser = parse::winding, allow_hyphen_values = true)]
     max_winding: Option<u32>,
-    /// Heuristic that shares light which is found both ways [default: the scene's, else balance]
+    /// Heuristic that shares light which is found both ways [default: the scene's, else power]
     #[arg(long, value_enum, value_name = "NAME")]
     mis: Option<Heuristic>,
 }

@@ -9,6 +9,7 @@ mod plane;
 mod png;
 mod ray_end;
 mod read;
+mod runs;
 mod sample;
 mod sums;
 mod tone;

@@ -8,7 +8,9 @@ use super::aim::Approach;
 use super::receiver::Receiver;
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
+use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
+use crate::math::rescale::rescale;
 use crate::math::sin_cos_turns;
 
 /// An emitting primitive.
@@ -206,13 +208,17 @@ impl Emitter {
     pub fn sample(&self, view: &View, u: f64, v: f64) -> Option<Spot> {
         let on = |sphere: Sphere, normal: DVec3| (sphere.center + sphere.radius * normal, normal);
         let (position, normal) = match self.form {
-            Form::Cap(sphere, cap) => on(sphere, around(cap.axis, u * cap.height, v)),
+            Form::Cap(sphere, cap) => {
+                let [square, turns] = concentric(u, v);
+                on(sphere, around(cap.axis, square * cap.height, turns))
+            }
             Form::Whole(Shape::Sphere(sphere)) => on(sphere, sphere_normal(&sphere, view, u, v)),
             Form::Whole(Shape::Disk(disk)) => {
                 let (tangent, bitangent) = tangents(disk.normal);
                 let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
-                let radius = (inner2 + u * (outer2 - inner2)).sqrt();
-                let (sin, cos) = sin_cos_turns::sin_cos(v);
+                let [square, turns] = concentric(u, v);
+                let radius = (inner2 + square * (outer2 - inner2)).sqrt();
+                let (sin, cos) = sin_cos_turns::sin_cos(turns);
                 (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
             }
             Form::Whole(Shape::Triangle([a, b, c])) => {
@@ -266,11 +272,11 @@ pub fn luminance(colour: Vec3) -> f64 {
     colour.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The unit vector at an angle to `axis`, given by 1 − its cosine, and the azimuth 2π `v`.
-fn around(axis: DVec3, height: f64, v: f64) -> DVec3 {
+/// The unit vector at an angle to `axis`, given by 1 − its cosine, and the azimuth in turns.
+fn around(axis: DVec3, height: f64, turns: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(axis);
     let sin = (height * (2.0 - height)).max(0.0).sqrt();
-    let (s, c) = sin_cos_turns::sin_cos(v);
+    let (s, c) = sin_cos_turns::sin_cos(turns);
     sin * (c * tangent + s * bitangent) + (1.0 - height) * axis
 }
 
@@ -303,18 +309,22 @@ impl SphereCap {
 /// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any
 /// point where any may be seen, and now and then where the view is a guess.
 fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
-    let Some(cone) = SphereCap::of(sphere, view) else { return around(DVec3::Z, 2.0 * u, v) };
+    let anywhere = |u: f64, v: f64| {
+        let [square, turns] = concentric(u, v);
+        around(DVec3::Z, 2.0 * square, turns)
+    };
+    let Some(cone) = SphereCap::of(sphere, view) else { return anywhere(u, v) };
     if u < cone.even {
-        return around(DVec3::Z, 2.0 * u / cone.even, v);
+        return anywhere(rescale(u, 0.0, cone.even), v);
     }
-    let u = (u - cone.even) / (1.0 - cone.even);
+    let [square, turns] = concentric(rescale(u, cone.even, 1.0 - cone.even), v);
     // The ray at the angle θ to the middle meets the sphere after t radii, at the angle α seen from the centre.
-    let less = u * cone.height;
+    let less = square * cone.height;
     let (cos, sin2) = (1.0 - less, less * (2.0 - less));
     let root = (1.0 - cone.distance * cone.distance * sin2).max(0.0).sqrt();
     let t = cone.excess / (cone.distance * cos + root);
     let sin2_alpha = (t * t * sin2).min(1.0);
-    around(-cone.direction, sin2_alpha / (1.0 + (1.0 - sin2_alpha).sqrt()), v)
+    around(-cone.direction, sin2_alpha / (1.0 + (1.0 - sin2_alpha).sqrt()), turns)
 }
 
 /// Density over the area of [`sphere_normal`].

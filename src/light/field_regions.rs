@@ -18,6 +18,7 @@ use super::sampler::{
     LightSampler, distant_sample, point_sample, reaches_emitter, region_density, region_sample,
 };
 use crate::geodesic::{FieldControl, FieldTarget, JoinLimits};
+use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, IndexField};
 
 /// Light sampling in a field.
@@ -191,18 +192,18 @@ impl<F: IndexField> FieldView<'_, F> {
         near + self.around.iter().map(around).sum::<f64>()
     }
 
-    /// A direction, from three numbers in [0, 1), and its density.
-    fn sample(&self, [mut choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
+    /// A direction, from two numbers in [0, 1), and its density.
+    fn sample(&self, [u, mut v]: [f64; 2]) -> Option<(DVec3, f64)> {
         for around in &self.around {
-            if choice < around.share {
+            if v < around.share {
                 let region = self.region(around.way())?;
-                let direction = region.sample(u, v);
+                let direction = region.sample(u, rescale(v, 0.0, around.share));
                 let density = self.density(direction, Some((around.hole, &region)));
                 return around.holds(direction).then_some((direction, density));
             }
-            choice -= around.share;
+            v -= around.share;
         }
-        let direction = self.near.as_ref()?.sample(u, v);
+        let direction = self.near.as_ref()?.sample(u, rescale(v, 0.0, self.near_share()));
         Some((direction, self.density(direction, None)))
     }
 }
@@ -219,22 +220,23 @@ impl Around {
 }
 
 impl<F: IndexField> LightSampler for FieldRegions<F> {
-    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
         let x = receiver.position;
-        match lights.choose(receiver, u0)? {
+        let (choice, u) = lights.choose(receiver, u)?;
+        match choice {
             ChosenLight::Surface(emitter, pmf) => {
-                let (direction, density) = self.view(receiver, emitter)?.sample(u)?;
+                let (direction, density) = self.view(receiver, emitter)?.sample([u, v])?;
                 Some(region_sample(emitter, direction, pmf * density))
             }
             ChosenLight::Point(_, light, index, pmf) => {
                 let y = light.position()?;
-                let (link, way_pmf) = self.link(x, FieldTarget::Place(y), u[0])?;
+                let (link, way_pmf) = self.link(x, FieldTarget::Place(y), v)?;
                 // Intensities are those of the light's own frame.
                 let geometry_factor = link.geometry_factor / self.aim.field().area_scale(y);
                 Some(point_sample((light, index), &Link { geometry_factor, ..link }, pmf * way_pmf))
             }
             ChosenLight::Distant(side, light, inverse_pmf) => {
-                let (link, way_pmf) = self.link(x, FieldTarget::Infinity(-light.direction()?), u[0])?;
+                let (link, way_pmf) = self.link(x, FieldTarget::Infinity(-light.direction()?), v)?;
                 Some(distant_sample((side, light, inverse_pmf), &link, way_pmf))
             }
             ChosenLight::Sky(..) => None,

@@ -13,7 +13,9 @@ use std::f64::consts::PI;
 
 use glam::{DMat2, DVec2, DVec3};
 
+use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
+use crate::math::rescale::rescale;
 use crate::math::sin_cos_turns;
 use crate::spacetime::Side;
 
@@ -193,14 +195,17 @@ pub struct Neighbourhood<'a> {
 }
 
 impl Neighbourhood<'_> {
-    /// A unit direction at `x` and its density in solid angle, from three numbers in [0, 1).
-    pub fn sample(&self, x: DVec3, [choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
-        let mut left = choice;
+    /// A unit direction at `x` and its density in solid angle, from two numbers in [0, 1).
+    pub fn sample(&self, x: DVec3, [u, v]: [f64; 2]) -> Option<(DVec3, f64)> {
+        let mut below = 0.0;
         let lobe = self.lobes.iter().find(|lobe| {
-            left -= lobe.weight;
-            left < 0.0
+            let is_chosen = u < below + lobe.weight;
+            below += if is_chosen { 0.0 } else { lobe.weight };
+            is_chosen
         });
-        let direction = lobe.or(self.lobes.last())?.sample(x, u, v);
+        // Weights add up to 1 but for rounding.
+        let lobe = lobe.or(self.lobes.last())?;
+        let direction = lobe.sample(x, rescale(u, below, lobe.weight), v);
         let density = self.density(x, direction);
         (density > 0.0).then_some((direction, density))
     }
@@ -273,8 +278,9 @@ impl GuideLobe {
     /// A direction at a distance t from the middle, in lobe sizes, whose density falls as 1/(1 + t²)²: half of all are
     /// within 1, and none is out of reach.
     fn sample(&self, x: DVec3, u: f64, v: f64) -> DVec3 {
-        let t = (u / (1.0 - u)).sqrt();
-        let (sin, cos) = sin_cos_turns::sin_cos(v);
+        let [square, turns] = concentric(u, v);
+        let t = (square / (1.0 - square)).sqrt();
+        let (sin, cos) = sin_cos_turns::sin_cos(turns);
         let y = self.middle_at(x) + self.shape * (t * DVec2::new(cos, sin));
         (self.axis + y.x * self.plane[0] + y.y * self.plane[1]).normalize()
     }

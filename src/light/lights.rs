@@ -11,6 +11,7 @@ use super::receiver::Receiver;
 use super::sky::Sky;
 use super::tree::{Emission, Tree};
 use crate::geometry::{Geometry, PrimitiveId, Shape};
+use crate::math::rescale::rescale;
 use crate::shade::{Environment, Material};
 use crate::spacetime::{AtInfinity, Mouths, Side};
 
@@ -213,37 +214,41 @@ impl Lights {
         is_there.map(|is_there| if is_there { share } else { 0.0 })
     }
 
-    /// A light for `receiver`, from a number in [0, 1); `None` if none that was looked at can contribute.
-    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenLight<'_>> {
+    /// A light for `receiver`, from a number in [0, 1), and that number for use again; `None` if none that was looked at can contribute.
+    pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<(ChosenLight<'_>, f64)> {
         let [in_world, distant, sky] = self.shares();
         if u < in_world {
-            let (index, pmf, _) = self.tree(receiver.on.side()).sample(
-                receiver.position,
-                Some(receiver.normal),
-                u / in_world,
-            )?;
+            let tree = self.tree(receiver.on.side());
+            let u = rescale(u, 0.0, in_world);
+            let (index, pmf, u) = tree.sample(receiver.position, Some(receiver.normal), u)?;
             let pmf = in_world * pmf;
-            return Some(match self.emitters.get(index as usize) {
+            let light = match self.emitters.get(index as usize) {
                 Some(emitter) => ChosenLight::Surface(emitter, pmf),
                 None => {
                     let point = index - self.emitters.len() as u32;
                     let (side, light) = &self.points[point as usize];
                     ChosenLight::Point(*side, light, point, pmf)
                 }
-            });
+            };
+            return Some((light, u));
         }
-        let among = |count: usize, u: f64| ((u * count as f64) as usize).min(count - 1);
+        let among = |count: usize, u: f64| {
+            let index = ((u * count as f64) as usize).min(count - 1);
+            (index, rescale(u * count as f64, index as f64, 1.0))
+        };
         if u < in_world + distant {
             let count = self.distant.len();
-            let (side, light) = &self.distant[among(count, (u - in_world) / distant)];
-            return Some(ChosenLight::Distant(*side, light, count as f64 / distant));
+            let (index, u) = among(count, rescale(u, in_world, distant));
+            let (side, light) = &self.distant[index];
+            return Some((ChosenLight::Distant(*side, light, count as f64 / distant), u));
         }
         let count = self.skies.len();
         if count == 0 {
             return None;
         }
-        let (side, picture) = &self.skies[among(count, (u - in_world - distant) / sky)];
-        Some(ChosenLight::Sky(*side, picture, sky / count as f64))
+        let (index, u) = among(count, rescale(u, in_world + distant, sky));
+        let (side, picture) = &self.skies[index];
+        Some((ChosenLight::Sky(*side, picture, sky / count as f64), u))
     }
 
     /// The emitter that a primitive is, with its index.

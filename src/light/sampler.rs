@@ -17,13 +17,14 @@ use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
+use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
 
 /// Sampling of lights, with some [`Aim`] or otherwise, compiled for each and chosen once per light sample: renders need
 /// not be generic over it.
 pub trait LightSampler: Send + Sync {
-    /// A light sample for `receiver`, from four numbers in [0, 1); `None` if this one finds no light.
-    fn sample(&self, lights: &Lights, receiver: &Receiver, u: [f64; 4]) -> Option<LightSample>;
+    /// A light sample for `receiver`, from two numbers in [0, 1); `None` if this one finds no light.
+    fn sample(&self, lights: &Lights, receiver: &Receiver, numbers: [f64; 2]) -> Option<LightSample>;
 
     /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an
     /// emitter.
@@ -46,19 +47,24 @@ pub trait LightSampler: Send + Sync {
     fn samples_sky(&self) -> bool;
 }
 
+/// Digits of a number that a direction of the sky takes, as their count; the rest is as random as they are.
+const DIGITS: f64 = (1u64 << 26) as f64;
+
 impl<A: Aim> LightSampler for A {
-    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
-        let choice = lights.choose(receiver, u0)?;
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
+        let (choice, u) = lights.choose(receiver, u)?;
         let x = self.place(receiver.on.side(), receiver.position);
         match choice {
-            ChosenLight::Surface(emitter, pmf) => sample_emitter(self, (&x, receiver), (emitter, pmf), u),
+            ChosenLight::Surface(emitter, pmf) => {
+                sample_emitter(self, (&x, receiver), (emitter, pmf), [u, v])
+            }
             ChosenLight::Point(side, light, index, pmf) => {
-                sample_point(self, &x, (side, light, index, pmf), u[0])
+                sample_point(self, &x, (side, light, index, pmf), v)
             }
             ChosenLight::Distant(side, light, inverse_pmf) => {
-                sample_distant(self, &x, (side, light, inverse_pmf), u[0])
+                sample_distant(self, &x, (side, light, inverse_pmf), v)
             }
-            ChosenLight::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), u),
+            ChosenLight::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), [u, v]),
         }
     }
 
@@ -112,14 +118,14 @@ fn sample_emitter<A: Aim>(
     aim: &A,
     (x, receiver): (&A::Place, &Receiver),
     (emitter, pmf): (&Emitter, f64),
-    [u, v, w]: [f64; 3],
+    [u, v]: [f64; 2],
 ) -> Option<LightSample> {
     let side = emitter.primitive.side();
     let middle = aim.place(side, emitter.middle());
-    let (winding, winding_pmf) = choose_winding(aim, x, &middle, u)?;
+    let (winding, winding_pmf, v) = choose_winding(aim, x, &middle, v)?;
     let standpoint = emitter.standpoint(receiver);
     let view = view(aim, (emitter, standpoint), x, &middle, winding);
-    let spot = emitter.sample(&view, v, w)?;
+    let spot = emitter.sample(&view, u, v)?;
     let link = aim.link(x, &aim.place(side, spot.position), winding)?;
     let cos = -link.arrival.dot(spot.normal);
     if !emitter.is_lit_by(cos, standpoint) {
@@ -216,31 +222,32 @@ fn sample_sky<A: Aim>(
     aim: &A,
     x: &A::Place,
     (side, sky, pmf): (Side, &Sky, f64),
-    [u, v, w]: [f64; 3],
+    [u, v]: [f64; 2],
 ) -> Option<LightSample> {
-    let (direction, density) = sky.sample(v, w)?;
+    let (direction, density) = sky.sample(u, v)?;
     let there = AtInfinity { side, direction };
-    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(there), u)?;
+    // The direction takes the upper digits of both numbers.
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(there), (v * DIGITS).fract())?;
     let light = Incoming::Sky(there, density * pmf * winding_pmf / link.geometry_factor);
     Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
 }
 
-/// A winding number and its probability.
-fn choose_winding<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(u32, f64)> {
+/// A winding number, its probability, and `u` for use again.
+fn choose_winding<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(u32, f64, f64)> {
     let mut below = 0.0;
     for winding in 0..aim.windings() {
         let pmf = aim.pmf(x, y, winding);
-        below += pmf;
-        if u < below {
-            return Some((winding, pmf));
+        if u < below + pmf {
+            return Some((winding, pmf, rescale(u, below, pmf)));
         }
+        below += pmf;
     }
     None
 }
 
 /// A ray to a place that is a point, and the probability of its winding number.
 fn choose_link<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(Link, f64)> {
-    let (winding, pmf) = choose_winding(aim, x, y, u)?;
+    let (winding, pmf, _) = choose_winding(aim, x, y, u)?;
     Some((aim.link(x, y, winding)?, pmf))
 }
 

@@ -7,6 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use crate::math::rescale::rescale;
+
 /// Tiles of a latitude-longitude picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyTiles {
@@ -109,9 +111,8 @@ impl SkyTiles {
     pub fn choose(&self, u: f64) -> Option<(u32, &SkyTile, f64)> {
         let after = self.cumulative.partition_point(|&below| below <= u).clamp(1, self.tiles.len());
         let (low, high) = (self.cumulative[after - 1], self.cumulative[after]);
-        let left =
-            if high > low { ((u - low) / (high - low)).clamp(0.0, 1.0 - f64::EPSILON) } else { return None };
-        Some((after as u32 - 1, &self.tiles[after - 1], left))
+        let tile = &self.tiles[after - 1];
+        (high > low).then(|| (after as u32 - 1, tile, rescale(u, low, high - low)))
     }
 
     /// Index of the tile of a texel, and the tile.

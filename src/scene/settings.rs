@@ -208,7 +208,7 @@ impl Default for Settings {
             sampler: SamplerKind::Sobol,
             light_sampling: LightSampling::Geodesic,
             max_winding: 1,
-            heuristic: Heuristic::Balance,
+            heuristic: Heuristic::Power,
             tolerance: 1e-5,
             arc_tolerance: None,
             arc_tolerance_factor: 1.0,

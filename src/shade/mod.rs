@@ -15,5 +15,5 @@ pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence};
 pub use material::Material;
 pub use media::{InterfaceCrossing, Media};
-pub use sampler::{Key, Sampler};
+pub use sampler::{Key, SamplePoint, Sampler};
 pub use scatter::{evaluate, scatter};

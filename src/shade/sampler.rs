@@ -3,7 +3,9 @@
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
-use super::sobol::{SEQUENCE, SETS, Sobol};
+use sobol_burley::parts::u32_to_f32_norm;
+
+use super::sobol::pairs;
 use crate::math::kernel::widest;
 
 /// Vertices whose numbers are made side by side.
@@ -23,12 +25,12 @@ pub struct Key {
     pub pixel: u32,
     /// Sample of that pixel.
     pub sample: u32,
-    /// Index of a set of four numbers of the sample.
+    /// Index of a set of numbers of the sample, below 2^31.
     pub set: u32,
 }
 
 impl Sampler {
-    /// Owen-scrambled Sobol' points, four dimensions at a time, decorrelated between pixels.
+    /// Owen-scrambled Sobol' points, two dimensions at a time, decorrelated between pixels and sets.
     pub fn sobol(seed: u64) -> Self {
         Self { seed, independent: false }
     }
@@ -38,57 +40,104 @@ impl Sampler {
         Self { seed, independent: true }
     }
 
-    /// Four numbers in [0, 1) for `key`.
+    /// Numbers in [0, 1) for `key`.
     #[inline]
-    pub fn four(&self, key: Key) -> [f32; 4] {
-        let [four] = self.lanes([key.pixel], [key.sample], [key.set]);
-        four
+    pub fn point<P: SamplePoint>(&self, key: Key) -> P {
+        let [point] = P::draw(self, [key]);
+        point
     }
 
-    /// Four numbers in [0, 1) for each of `keys`.
-    pub fn four_all(&self, keys: &[Key], numbers: &mut Vec<[f32; 4]>) {
-        numbers.resize(keys.len(), [0.0; 4]);
-        widest(All { sampler: self, keys, numbers });
+    /// Numbers in [0, 1) for each of `keys`.
+    pub fn points<P: SamplePoint>(&self, keys: &[Key], points: &mut Vec<P>) {
+        points.resize(keys.len(), P::default());
+        widest(All { sampler: self, keys, points });
     }
 
-    /// Four numbers in [0, 1) for each of some lanes.
+    /// For each of some keys, a pair of Sobol' points of the sequence `number`, 0 or 1, of its set.
     #[inline(always)]
-    fn lanes<const N: usize>(&self, pixel: [u32; N], sample: [u32; N], set: [u32; N]) -> [[f32; 4]; N] {
-        if self.independent {
-            return std::array::from_fn(|lane| {
-                let key = mix(self.seed, (u64::from(pixel[lane]) << 32) | u64::from(sample[lane]));
-                Xoshiro256PlusPlus::seed_from_u64(mix(key, u64::from(set[lane]))).random()
+    fn pairs<const N: usize>(&self, keys: [Key; N], number: u32) -> [[u32; 2]; N] {
+        let (mut index, mut seed) = ([0; N], [0; N]);
+        for lane in 0..N {
+            let Key { pixel, sample, set } = keys[lane];
+            index[lane] = sample;
+            seed[lane] = mix(self.seed, u64::from(pixel) << 32 | u64::from(set << 1 | number));
+        }
+        pairs(index, seed)
+    }
+
+    /// Digits of a pair past those of [`Self::pairs`]: so far down, scrambled ones are random.
+    #[inline(always)]
+    fn digits<const N: usize>(&self, keys: [Key; N]) -> [u64; N] {
+        keys.map(|Key { pixel, sample, set }| {
+            mix(mix(self.seed, u64::from(pixel) << 32 | u64::from(set)), sample.into())
+        })
+    }
+
+    fn generator(&self, Key { pixel, sample, set }: Key) -> Xoshiro256PlusPlus {
+        let key = mix(self.seed, (u64::from(pixel) << 32) | u64::from(sample));
+        Xoshiro256PlusPlus::seed_from_u64(mix(key, u64::from(set)))
+    }
+}
+
+/// Numbers that are drawn together for one key.
+pub trait SamplePoint: Copy + Default {
+    /// Those for each of some keys.
+    fn draw<const N: usize>(sampler: &Sampler, keys: [Key; N]) -> [Self; N];
+}
+
+/// Two pairs, each spread evenly over the square.
+impl SamplePoint for [f32; 4] {
+    #[inline(always)]
+    fn draw<const N: usize>(sampler: &Sampler, keys: [Key; N]) -> [Self; N] {
+        if sampler.independent {
+            return keys.map(|key| sampler.generator(key).random());
+        }
+        let (first, second) = (sampler.pairs(keys, 0), sampler.pairs(keys, 1));
+        let mut points = [[0.0; 4]; N];
+        for lane in 0..N {
+            let ([x, y], [z, w]) = (first[lane], second[lane]);
+            points[lane] = [x, y, z, w].map(u32_to_f32_norm);
+        }
+        points
+    }
+}
+
+/// A pair spread evenly over the square, with digits enough for choices by parts of it.
+impl SamplePoint for [f64; 2] {
+    #[inline(always)]
+    fn draw<const N: usize>(sampler: &Sampler, keys: [Key; N]) -> [Self; N] {
+        if sampler.independent {
+            return keys.map(|key| sampler.generator(key).random());
+        }
+        let (pairs, more) = (sampler.pairs(keys, 0), sampler.digits(keys));
+        let mut points = [[0.0; 2]; N];
+        for lane in 0..N {
+            let ([x, y], more) = (pairs[lane], more[lane]);
+            points[lane] = [(x, more as u32), (y, (more >> 32) as u32)].map(|(digits, more)| {
+                let digits = u64::from(digits) << 20 | u64::from(more >> 12);
+                f64::from_bits(1f64.to_bits() | digits) - 1.0
             });
         }
-        let mut seed = [0; N];
-        for lane in 0..N {
-            // Past the limits of a sequence a fresh scramble takes over; within them all sets belong to one sequence.
-            let block = (u64::from(sample[lane] / SEQUENCE) << 32) | u64::from(set[lane] / SETS);
-            seed[lane] = mix(mix(self.seed, u64::from(pixel[lane])), block) as u32;
-        }
-        Sobol::new().four(sample.map(|sample| sample % SEQUENCE), set.map(|set| set % SETS), seed)
+        points
     }
 }
 
-struct All<'a> {
+struct All<'a, P> {
     sampler: &'a Sampler,
     keys: &'a [Key],
-    numbers: &'a mut [[f32; 4]],
+    points: &'a mut [P],
 }
 
-impl pulp::NullaryFnOnce for All<'_> {
+impl<P: SamplePoint> pulp::NullaryFnOnce for All<'_, P> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Self { sampler, keys, numbers } = self;
-        for (keys, numbers) in keys.chunks(LANES).zip(numbers.chunks_mut(LANES)) {
-            let (mut pixel, mut sample, mut set) = ([0; LANES], [0; LANES], [0; LANES]);
-            for (lane, key) in keys.iter().enumerate() {
-                (pixel[lane], sample[lane], set[lane]) = (key.pixel, key.sample, key.set);
-            }
-            let four = sampler.lanes(pixel, sample, set);
-            numbers.copy_from_slice(&four[..numbers.len()]);
+        let Self { sampler, keys, points } = self;
+        for (keys, points) in keys.chunks(LANES).zip(points.chunks_mut(LANES)) {
+            let mut lanes = [Key { pixel: 0, sample: 0, set: 0 }; LANES];
+            lanes[..keys.len()].copy_from_slice(keys);
+            points.copy_from_slice(&P::draw(sampler, lanes)[..points.len()]);
         }
     }
 }
@@ -108,20 +157,25 @@ fn mix(a: u64, b: u64) -> u64 {
 mod tests {
     use super::*;
 
+    const SAMPLERS: [fn(u64) -> Sampler; 2] = [Sampler::sobol, Sampler::independent];
+
     #[test]
     fn both_samplers_are_uniform_in_mean_and_variance_in_every_dimension() {
-        for sampler in [Sampler::sobol(3), Sampler::independent(3)] {
+        for sampler in SAMPLERS.map(|sampler| sampler(3)) {
             for set in [0, 1, 63, 64, 200] {
-                let (mut sum, mut square) = ([0.0f64; 4], [0.0f64; 4]);
+                let (mut sum, mut square) = ([0.0f64; 6], [0.0f64; 6]);
                 const N: u32 = 4096;
-                for i in 0..N {
-                    for (d, u) in sampler.four(Key { pixel: 7, sample: i, set }).into_iter().enumerate() {
+                for sample in 0..N {
+                    let key = Key { pixel: 7, sample, set };
+                    let ([a, b, c, d], [e, f]) =
+                        (sampler.point::<[f32; 4]>(key).map(f64::from), sampler.point::<[f64; 2]>(key));
+                    for (dimension, u) in [a, b, c, d, e, f].into_iter().enumerate() {
                         assert!((0.0..1.0).contains(&u));
-                        sum[d] += f64::from(u);
-                        square[d] += f64::from(u).powi(2);
+                        sum[dimension] += u;
+                        square[dimension] += u * u;
                     }
                 }
-                for d in 0..4 {
+                for d in 0..6 {
                     let mean = sum[d] / f64::from(N);
                     let variance = square[d] / f64::from(N) - mean * mean;
                     assert!((mean - 0.5).abs() < 0.02, "{sampler:?} set {set} dimension {d}: mean {mean}");
@@ -132,31 +186,56 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_many_keys_are_those_of_each() {
+    fn points_of_many_keys_are_those_of_each() {
+        fn check<P: SamplePoint + PartialEq + std::fmt::Debug>(sampler: Sampler, keys: &[Key]) {
+            let mut points: Vec<P> = Vec::new();
+            sampler.points(keys, &mut points);
+            assert_eq!(points, keys.iter().map(|&key| sampler.point::<P>(key)).collect::<Vec<_>>());
+        }
         let key = |i: u32| Key { pixel: i * i, sample: i << 12, set: i * 3 };
         let keys: Vec<Key> = (0..100).map(key).collect();
-        for sampler in [Sampler::sobol(3), Sampler::independent(3)] {
-            let mut numbers = Vec::new();
-            sampler.four_all(&keys, &mut numbers);
-            assert_eq!(numbers, keys.iter().map(|&key| sampler.four(key)).collect::<Vec<_>>());
+        for sampler in SAMPLERS.map(|sampler| sampler(3)) {
+            check::<[f32; 4]>(sampler, &keys);
+            check::<[f64; 2]>(sampler, &keys);
         }
     }
 
     #[test]
     fn pixels_samples_sets_and_seeds_are_told_apart() {
-        let four = |seed: u64, pixel: u32, sample: u32, set: u32| {
-            Sampler::sobol(seed).four(Key { pixel, sample, set })
+        let point = |seed: u64, pixel: u32, sample: u32, set: u32| {
+            Sampler::sobol(seed).point::<[f32; 4]>(Key { pixel, sample, set })
         };
-        let base = four(1, 5, 9, 2);
-        assert_eq!(base, four(1, 5, 9, 2));
+        let base = point(1, 5, 9, 2);
+        assert_eq!(base, point(1, 5, 9, 2));
         for other in [
-            four(2, 5, 9, 2),
-            four(1, 6, 9, 2),
-            four(1, 5, 10, 2),
-            four(1, 5, 9, 3),
-            four(1, 5, 9 + SEQUENCE, 2),
+            point(2, 5, 9, 2),
+            point(1, 6, 9, 2),
+            point(1, 5, 10, 2),
+            point(1, 5, 9, 3),
+            point(1, 5, 1 << 30, 2),
         ] {
             assert_ne!(base, other);
         }
+    }
+
+    #[test]
+    fn pairs_beside_each_other_are_independent() {
+        // Of 16 points, each pair has one in each of 16 squares; which of one pair goes with which of the other is
+        // as good as random: for each of 256 cells of four dimensions the count is 1 in the mean over pixels.
+        let sampler = Sampler::sobol(5);
+        let mut counts = [0.0f64; 256];
+        const PIXELS: u32 = 4096;
+        for pixel in 0..PIXELS {
+            for sample in 0..16 {
+                let key = |set| Key { pixel, sample, set };
+                let [a, b] = sampler.point::<[f64; 2]>(key(3)).map(|u| (4.0 * u) as usize);
+                let [c, d] = sampler.point::<[f64; 2]>(key(4)).map(|u| (4.0 * u) as usize);
+                counts[64 * a + 16 * b + 4 * c + d] += 1.0;
+            }
+        }
+        let expected = f64::from(PIXELS) / 16.0;
+        let chi_square: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+        // 225 degrees of freedom: the mean is about that, the deviation 21.
+        assert!((chi_square - 225.0).abs() < 85.0, "{chi_square}");
     }
 }

@@ -1,84 +1,66 @@
-//! Owen-scrambled Sobol' points (Burley 2020): `sobol_burley`'s numbers, put together from its parts so that many are
-//! made side by side.
+//! Pairs of Sobol' points: its first two dimensions, of which every aligned run of 2^k points has one in each rectangle
+//! of 2^-i by 2^(i-k), shuffled and scrambled after Owen, so that pairs of any number do not know of each other.
+//!
+//! References: Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4), whose hashes are `sobol_burley`'s; Kollig
+//! and Keller 2002, "Efficient Multidimensional Sampling", for pairs one beside the other.
 
-use std::sync::LazyLock;
+use sobol_burley::parts::{hash, owen_scramble_rev};
 
-use sobol_burley::parts::{hash, owen_scramble_rev, sobol_rev, u32_to_f32_norm};
-
-/// Points of one sequence, the library's limit.
-pub const SEQUENCE: u32 = 1 << 16;
-/// Sets of four dimensions of one sequence, the library's limit.
-pub const SETS: u32 = 64;
-
-/// Points by four bits of the reversed index at a time: set, which four bits, their value, dimension. A point is the
-/// sum without carry of those of its bits.
-type Points = [[[[u32; 4]; 16]; 4]; SETS as usize];
-
-static POINTS: LazyLock<Box<Points>> = LazyLock::new(|| {
-    let mut points = Box::new([[[[0; 4]; 16]; 4]; SETS as usize]);
-    for (set, points) in (0..).zip(points.iter_mut()) {
-        for (place, points) in (0..).zip(points) {
-            for (bits, point) in (0..).zip(points) {
-                for (dimension, coordinate) in (0..).zip(point) {
-                    *coordinate = sobol_rev(bits << (16 + 4 * place), 4 * set + dimension);
-                }
-            }
-        }
+/// The pair `index` of the sequence that `seed` names, for each of some lanes: fractions of 2^32.
+#[inline(always)]
+pub fn pairs<const N: usize>(index: [u32; N], seed: [u64; N]) -> [[u32; 2]; N] {
+    let mut pairs = [[0; 2]; N];
+    for lane in 0..N {
+        let (low, high) = (seed[lane] as u32, (seed[lane] >> 32) as u32);
+        // Reversed: the lowest bit is the first after the point.
+        let x = owen_scramble_rev(index[lane].reverse_bits(), low).reverse_bits();
+        let y = second_dimension(x);
+        pairs[lane] = [(x, hash(low ^ high)), (y, high)]
+            .map(|(reversed, scramble)| owen_scramble_rev(reversed, scramble).reverse_bits());
     }
-    points
-});
-
-/// All sequences.
-#[derive(Clone, Copy)]
-pub struct Sobol {
-    points: &'static Points,
+    pairs
 }
 
-impl Sobol {
-    /// The sequences, made once.
-    pub fn new() -> Self {
-        Self { points: &POINTS }
-    }
-
-    /// Numbers that `sobol_burley::sample_4d` gives for each of some lanes: four in [0, 1) of the point `index` below
-    /// [`SEQUENCE`], in the dimensions of `set` below [`SETS`], of the sequence scrambled with `seed`.
-    #[inline(always)]
-    pub fn four<const N: usize>(self, index: [u32; N], set: [u32; N], seed: [u32; N]) -> [[f32; 4]; N] {
-        let mut shuffled = [0; N];
-        let mut keys = [0; N];
-        for lane in 0..N {
-            shuffled[lane] = owen_scramble_rev(index[lane].reverse_bits(), hash(seed[lane] ^ 0x79c6_8e4a));
-            keys[lane] = seed[lane].wrapping_mul(0x9c8f_2d3b) ^ set[lane];
-        }
-        let mut sums = [[0; 4]; N];
-        for lane in 0..N {
-            let points = &self.points[(set[lane] % SETS) as usize];
-            let part = |place: usize| points[place][(shuffled[lane] >> (16 + 4 * place)) as usize % 16];
-            let (a, b, c, d) = (part(0), part(1), part(2), part(3));
-            sums[lane] = std::array::from_fn(|i| a[i] ^ b[i] ^ c[i] ^ d[i]);
-        }
-        let mut numbers = [[0.0; 4]; N];
-        for lane in 0..N {
-            for (i, key) in [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].into_iter().enumerate() {
-                let scramble = hash(keys[lane] ^ key);
-                numbers[lane][i] = u32_to_f32_norm(owen_scramble_rev(sums[lane][i], scramble).reverse_bits());
-            }
-        }
-        numbers
-    }
+/// Sobol's second dimension from the first, both reversed: Pascal's triangle modulo 2, of which the entry (r, c) is odd
+/// where the bits of r are among those of c, so that each step adds over one bit of c.
+#[inline(always)]
+fn second_dimension(mut bits: u32) -> u32 {
+    bits ^= (bits >> 1) & 0x5555_5555;
+    bits ^= (bits >> 2) & 0x3333_3333;
+    bits ^= (bits >> 4) & 0x0f0f_0f0f;
+    bits ^= (bits >> 8) & 0x00ff_00ff;
+    bits ^ (bits >> 16)
 }
 
 #[cfg(test)]
 mod tests {
+    use sobol_burley::parts::sobol_rev;
+
     use super::*;
 
     #[test]
-    fn the_numbers_are_those_of_the_library() {
-        let sobol = Sobol::new();
-        for i in 0..10_000u32 {
-            let (index, set, seed) = (i.wrapping_mul(0x9e37_79b9) % SEQUENCE, i % SETS, hash(i));
-            let [four] = sobol.four([index], [set], [seed]);
-            assert_eq!(four, sobol_burley::sample_4d(index, set, seed));
+    fn the_second_dimension_is_that_of_the_library() {
+        for index in 0..1 << 16 {
+            assert_eq!(sobol_rev(u32::reverse_bits(index), 0), index);
+            assert_eq!(sobol_rev(u32::reverse_bits(index), 1), second_dimension(index));
+        }
+    }
+
+    #[test]
+    fn every_aligned_run_of_a_power_of_two_is_in_every_rectangle_of_its_size_once() {
+        for (seed, log, run) in [(3u64, 4, 0), (0x9e37_79b9_7f4a_7c15, 4, 7), (5 << 32, 6, 1), (77, 8, 3)] {
+            let count = 1u32 << log;
+            let points: Vec<[u32; 2]> = (0..count)
+                .map(|i| pairs([run * count + i], [seed.wrapping_mul(0x1234_5679_abcd_ef01)])[0])
+                .collect();
+            for i in 0..log + 1 {
+                let cell = |[x, y]: [u32; 2]| {
+                    (u64::from(x) >> (32 - i)) << (log - i) | u64::from(y) >> (32 - (log - i))
+                };
+                let mut cells: Vec<u64> = points.iter().map(|&point| cell(point)).collect();
+                cells.sort_unstable();
+                assert!(cells.into_iter().eq(0..u64::from(count)), "{seed} {log} {i}");
+            }
         }
     }
 }

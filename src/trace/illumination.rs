@@ -22,6 +22,8 @@ pub struct Illumination {
     pub guides: [Option<Guide>; 2],
     /// Heuristic that shares light; `None`: all of it belongs to light sampling, as in the paper, nothing is learned.
     pub heuristic: Option<Heuristic>,
+    /// Least probability of a light ray.
+    least_chance: f64,
 }
 
 /// End of a ray that found light.
@@ -33,6 +35,10 @@ pub enum LightEnd<'a> {
     AtInfinity(AtInfinity),
 }
 
+/// Least probability of a light ray where rays are not straight, so that it costs a few of those that are.
+const LEAST_CHANCE: f64 = 0.1;
+/// Ratio of that probability to the throughput: 1 leaves a tenth more variance beside a hole, 4 hardly less for more time.
+const CHANCE: f64 = 2.0;
 /// Least orientation factor of lights where the straight direction to them is a guess.
 const FLOOR: f64 = 0.1;
 
@@ -78,8 +84,15 @@ impl Illumination {
             }),
             None => lights,
         };
+        let least_chance = if T::IS_STRAIGHT { 1.0 } else { LEAST_CHANCE };
         let heuristic = (!straight).then_some(settings.heuristic);
-        (!lights.is_empty()).then_some(Self { lights, sampler, guides: [None, None], heuristic })
+        (!lights.is_empty()).then_some(Self {
+            lights,
+            sampler,
+            guides: [None, None],
+            heuristic,
+            least_chance,
+        })
     }
 
     /// Summarizes it for `scene`, which it is of.
@@ -93,23 +106,30 @@ impl Illumination {
         }
     }
 
+    /// Probability with which a path of this throughput sends out a light ray: where light rays are dear, few are worth
+    /// their time if the throughput is small.
+    #[inline]
+    pub fn chance(&self, throughput: Vec3) -> f64 {
+        (CHANCE * f64::from(throughput.max_element())).clamp(self.least_chance, 1.0)
+    }
+
     /// True if light through mirrors and glass is sampled.
     pub fn is_guided(&self) -> bool {
         self.guides.iter().any(Option::is_some)
     }
 
-    /// A direction in which light may come to `receiver`, from four numbers in [0, 1): densities and probabilities are
+    /// A direction in which light may come to `receiver`, from two numbers in [0, 1): densities and probabilities are
     /// those of the whole choice.
-    pub fn sample(&self, receiver: &Receiver, [choice, u, v, w]: [f64; 4]) -> Option<LightSample> {
+    pub fn sample(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
         let near = self.near(receiver);
         let specular = near.map_or(0.0, |near| near.share);
-        if choice < specular {
-            let (direction, density) = near?.sample(receiver.position, [choice / specular, v, w])?;
+        if u < specular {
+            let (direction, density) = near?.sample(receiver.position, [u / specular, v])?;
             let light = Incoming::Radiance(Vec3::ONE, specular * density);
             return Some(LightSample { direction, target: Target::ThroughSpecular, light });
         }
         let direct = 1.0 - specular;
-        let numbers = [(choice - specular) / direct, u, v, w];
+        let numbers = [((u - specular) / direct).min(1f64.next_down()), v];
         let LightSample { direction, target, light } =
             self.sampler.sample(&self.lights, receiver, numbers)?;
         let light = match light {

@@ -40,7 +40,7 @@ impl Tile {
     pub fn add(&mut self, samples: &Samples, count: u32) {
         let per_pixel = count as usize;
         for pixel in 0..self.beauty.len() {
-            self.add_to(pixel, samples, pixel * per_pixel..(pixel + 1) * per_pixel, self.spp == 0);
+            self.add_to(pixel, samples, pixel * per_pixel..(pixel + 1) * per_pixel, self.spp as usize);
         }
         self.spp += count;
     }
@@ -52,38 +52,31 @@ impl Tile {
             let pixel = pixel as usize;
             self.beauty[pixel] = Default::default();
             self.planes.iter_mut().for_each(|plane| plane.clear(pixel));
-            self.add_to(pixel, samples, place * per_pixel..(place + 1) * per_pixel, true);
+            self.add_to(pixel, samples, place * per_pixel..(place + 1) * per_pixel, 0);
         }
     }
 
-    /// Adds the samples of some slots to a pixel; `is_new` if it holds none.
-    fn add_to(&mut self, pixel: usize, samples: &Samples, slots: Range<usize>, is_new: bool) {
-        let start = slots.start;
-        for slot in slots {
+    /// Adds the samples of some slots to a pixel that holds as many as `before`.
+    fn add_to(&mut self, pixel: usize, samples: &Samples, slots: Range<usize>, before: usize) {
+        for (slot, held) in slots.zip(before..) {
             let radiance = samples.radiance[slot].as_dvec3();
             let covered = f64::from(u8::from(samples.covered[slot]));
             let values = [radiance.x, radiance.y, radiance.z, covered];
             self.beauty[pixel].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
             let sample = samples.get(slot);
-            self.planes.iter_mut().for_each(|plane| plane.add(pixel, &sample, is_new && slot == start));
+            self.planes.iter_mut().for_each(|plane| plane.add(pixel, &sample, held));
         }
     }
 
     /// Means of a pixel's R, G, B, A.
     fn beauty(&self, pixel: usize) -> [f64; 4] {
-        let samples = self.samples();
-        self.beauty[pixel].map(|sum| sum / samples)
-    }
-
-    fn samples(&self) -> f64 {
-        f64::from(self.spp.max(1))
+        self.beauty[pixel].map(|sum| sum / f64::from(self.spp.max(1)))
     }
 
     /// The values of a pixel's channels for `aov`; none if it is not wanted.
     fn values(&self, aov: Aov, pixel: usize) -> impl Iterator<Item = f32> {
-        let [r, g, b, _] = self.beauty(pixel);
         let plane = self.planes.iter().find(|plane| plane.aov() == aov);
-        plane.into_iter().flat_map(move |plane| plane.values(pixel, [r, g, b], self.samples()))
+        plane.into_iter().flat_map(move |plane| plane.values(pixel, self.spp.max(1) as usize))
     }
 
     /// Sum over pixels of the standard error relative to the pixel's brightness, and how many pixels that is.

@@ -82,7 +82,6 @@ pub enum Average {
     },
     /// Value of the first sample, 0 if it has none: identities have no mean.
     First,
-    /// A function of the mean over all samples, the mean of the colour channel at the same place, and the number of
-    /// samples.
-    BesideColor(fn(f64, f64, f64) -> f64),
+    /// Variance of the mean over all samples, from [runs](crate::film::runs) of them.
+    VarianceOfMean,
 }

@@ -51,27 +51,28 @@ impl Regions {
 }
 
 impl LightSampler for Regions {
-    fn sample(&self, lights: &Lights, receiver: &Receiver, [u0, u @ ..]: [f64; 4]) -> Option<LightSample> {
-        match lights.choose(receiver, u0)? {
+    fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
+        let (choice, u) = lights.choose(receiver, u)?;
+        match choice {
             ChosenLight::Surface(emitter, pmf) => {
                 let view = RegionView::new(&self.place, &self.table, receiver, emitter, self.goes_around)?;
-                let (direction, density) = view.sample(u)?;
+                let (direction, density) = view.sample([u, v])?;
                 Some(region_sample(emitter, self.place.outwards(direction), pmf * density))
             }
             ChosenLight::Point(_, light, index, pmf) => {
                 let to = light_place(&self.place, light.position()?)?;
-                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                let (link, ray_pmf) = self.link(receiver, &to, v)?;
                 Some(point_sample((light, index), &link, pmf * ray_pmf))
             }
             ChosenLight::Distant(side, light, inverse_pmf) => {
                 let to = light_at_infinity(&self.place, -light.direction()?);
-                let (link, ray_pmf) = self.link(receiver, &to, u[0])?;
+                let (link, ray_pmf) = self.link(receiver, &to, v)?;
                 Some(distant_sample((side, light, inverse_pmf), &link, ray_pmf))
             }
             ChosenLight::Sky(side, sky, pmf) => {
-                let (index, tile, left) = sky.choose_tile(u[0])?;
+                let (index, tile, u) = sky.choose_tile(u)?;
                 let view = RegionView::of_sky(&self.place, &self.table, receiver, &tile, self.goes_around)?;
-                let (direction, density) = view.sample([left, u[1], u[2]])?;
+                let (direction, density) = view.sample([u, v])?;
                 Some(LightSample {
                     direction: self.place.outwards(direction),
                     target: Target::SkyTile(side, index),

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::{DVec2, DVec3};
 
+use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
 use crate::math::sin_cos_turns;
 
@@ -97,7 +98,10 @@ impl Region {
     /// A direction, from two numbers in [0, 1).
     pub fn sample(&self, u: f64, v: f64) -> DVec3 {
         match self {
-            Self::Ellipse(ellipse) => ellipse.at(u.sqrt(), v),
+            Self::Ellipse(ellipse) => {
+                let [square, turns] = concentric(u, v);
+                ellipse.at(square.sqrt(), turns)
+            }
             Self::Sector(sector) => sector.at(u, v),
         }
     }

@@ -10,6 +10,7 @@ use crate::geodesic::kerr::{KerrPlace, OrbitTable, PlacedHole, TablePlace};
 use crate::light::emitter::{Emitter, Extent};
 use crate::light::receiver::Receiver;
 use crate::light::sky_tiles::SkyTile;
+use crate::math::rescale::rescale;
 
 /// View of a light: its near region, and what the region of rays that go around the hole follows from.
 pub struct RegionView<'a> {
@@ -161,15 +162,15 @@ impl<'a> RegionView<'a> {
         Some(Self { table, from, light, pole, near, around, cos_around })
     }
 
-    /// A direction, from three numbers in [0, 1), and its density.
-    pub fn sample(&self, [choice, u, v]: [f64; 3]) -> Option<(DVec3, f64)> {
-        if choice < self.around {
+    /// A direction, from two numbers in [0, 1), and its density.
+    pub fn sample(&self, [u, v]: [f64; 2]) -> Option<(DVec3, f64)> {
+        if v < self.around {
             let around = self.region_around()?;
-            let direction = around.sample(u, v);
+            let direction = around.sample(u, rescale(v, 0.0, self.around));
             let density = self.around / around.area() + (1.0 - self.around) * self.near.density(direction);
             return self.is_around(direction).then_some((direction, density));
         }
-        let direction = self.near.sample(u, v);
+        let direction = self.near.sample(u, rescale(v, self.around, 1.0 - self.around));
         Some((direction, (1.0 - self.around) / self.near.area() + self.density_around(direction)))
     }
 

@@ -21,6 +21,8 @@ use glam::DVec3;
 pub use emission::Emission;
 use node::{LightTreeNode, LocalReceiver, Subtree};
 
+use crate::math::rescale::rescale;
+
 /// A binary tree of emitters.
 #[derive(Default)]
 pub struct Tree {
@@ -54,7 +56,7 @@ impl Tree {
             let [left, right] = self.chances(first, &receiver)?;
             let goes_right = u >= left;
             let (below, chance) = if goes_right { (left, 1.0 - left) } else { (0.0, left) };
-            u = ((u - below) / chance).min(1f64.next_down());
+            u = rescale(u, below, chance);
             probability *= if goes_right { right } else { left };
             subtree = self.nodes[first as usize + usize::from(goes_right)].subtree;
         }

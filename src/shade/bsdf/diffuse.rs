@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::model::Bsdf;
+use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
 use crate::math::sin_cos_turns;
 use crate::shade::incidence::{Bounce, Incidence};
@@ -45,9 +46,9 @@ impl Bsdf for Diffuse {
 /// The throughput of a cosine-sampled Lambertian bounce is the albedo alone.
 pub fn sample_cosine(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(normal);
-    let radius = u.sqrt();
-    let (sin, cos) = sin_cos_turns::sin_cos(v);
-    radius * (cos * tangent + sin * bitangent) + (1.0 - u).sqrt() * normal
+    let [square, turns] = concentric(u, v);
+    let (sin, cos) = sin_cos_turns::sin_cos(turns);
+    square.sqrt() * (cos * tangent + sin * bitangent) + (1.0 - square).sqrt() * normal
 }
 
 /// Density of [`sample_cosine`] in solid angle.

@@ -116,7 +116,7 @@ impl Shower<'_> {
 
     /// Four numbers in [0, 1) for an event of a photon.
     fn numbers(&self, index: u32, set: u32) -> [f32; 4] {
-        self.sampler.four(Key { pixel: u32::MAX, sample: index, set })
+        self.sampler.point(Key { pixel: u32::MAX, sample: index, set })
     }
 
     fn start<C: Default>(&self, index: u32) -> Option<(Flying, Start<C>)> {

@@ -2,7 +2,7 @@
 
 use super::super::job::Job;
 use super::super::path::Path;
-use crate::shade::Key;
+use crate::shade::{Key, SamplePoint};
 
 /// Consumer of random numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,15 +29,15 @@ pub struct Numbers {
     /// For the next ray.
     pub ray: [f32; 4],
     /// For a light ray, where lights are sampled.
-    pub light: [f32; 4],
+    pub light: [f64; 2],
 }
 
 impl Numbers {
     /// Those for where `path` has landed.
     pub fn draw(job: &Job, path: &Path) -> Self {
-        let four = |draw: Draw| job.sampler.four(draw.key(path, path.depth));
-        let light = if job.illumination.is_some() { four(Draw::Light) } else { [0.0; 4] };
-        Self { ray: four(Draw::Ray), light }
+        let key = |draw: Draw| draw.key(path, path.depth);
+        let light = if job.illumination.is_some() { job.sampler.point(key(Draw::Light)) } else { [0.0; 2] };
+        Self { ray: job.sampler.point(key(Draw::Ray)), light }
     }
 }
 
@@ -46,7 +46,7 @@ impl Numbers {
 pub struct Draws {
     keys: Vec<Key>,
     ray: Vec<[f32; 4]>,
-    light: Vec<[f32; 4]>,
+    light: Vec<[f64; 2]>,
 }
 
 impl Draws {
@@ -74,13 +74,18 @@ impl Draws {
     /// The numbers for the path with this place among those that landed.
     #[inline]
     pub fn vertex(&self, place: usize) -> Numbers {
-        let light = if self.light.is_empty() { [0.0; 4] } else { self.light[place] };
+        let light = if self.light.is_empty() { [0.0; 2] } else { self.light[place] };
         Numbers { ray: self.ray[place], light }
     }
 }
 
-fn draw(job: &Job, from: impl Iterator<Item = Key>, keys: &mut Vec<Key>, numbers: &mut Vec<[f32; 4]>) {
+fn draw<P: SamplePoint>(
+    job: &Job,
+    from: impl Iterator<Item = Key>,
+    keys: &mut Vec<Key>,
+    numbers: &mut Vec<P>,
+) {
     keys.clear();
     keys.extend(from);
-    job.sampler.four_all(keys, numbers);
+    job.sampler.points(keys, numbers);
 }

@@ -44,7 +44,7 @@ pub fn camera_ray(job: &Job, path: &Path, numbers: [f32; 4]) -> (DVec3, DVec3) {
 #[inline]
 pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
     let path = start(job, work, index);
-    let (position, direction) = camera_ray(job, &path, job.sampler.four(Draw::Ray.key(&path, 0)));
+    let (position, direction) = camera_ray(job, &path, job.sampler.point(Draw::Ray.key(&path, 0)));
     (path, position, direction)
 }
 

@@ -26,17 +26,10 @@ pub struct LightRay {
     pub brings: Vec3,
 }
 
-/// Least probability of a light ray.
-const LEAST_CHANCE: f64 = 0.1;
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
 const NEAR: f64 = 1e-3;
 
-/// Probability with which a path sends out a light ray: where its throughput is small, few are worth their time.
-pub fn chance(path: &Path) -> f64 {
-    f64::from(path.throughput.max_element()).clamp(LEAST_CHANCE, 1.0)
-}
-
-/// Light ray from where a path lands, from four numbers in [0, 1); `None` if it would contribute nothing.
+/// Light ray from where a path lands, from two numbers in [0, 1); `None` if it would contribute nothing.
 #[inline]
 pub fn propose(
     job: &Job,
@@ -44,21 +37,19 @@ pub fn propose(
     path: &Path,
     incidence: &Incidence,
     landing: &Landing,
-    numbers: [f32; 4],
+    [u, v]: [f64; 2],
 ) -> Option<LightRay> {
     let material = &job.scene.materials[incidence.material as usize];
     if path.depth >= job.settings.max_depth || !material.spreads_light() {
         return None;
     }
-    let mut numbers = numbers.map(f64::from);
-    let chance = chance(path);
-    if numbers[0] >= chance {
+    let chance = illumination.chance(path.throughput);
+    if u >= chance {
         return None;
     }
-    numbers[0] /= chance;
     let receiver =
         Receiver { position: landing.position, normal: incidence.facing().0, on: landing.primitive };
-    let LightSample { direction, target, light } = illumination.sample(&receiver, numbers)?;
+    let LightSample { direction, target, light } = illumination.sample(&receiver, [u / chance, v])?;
     let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
     // On caustics (merging images) weight and density are both 0; BSDF sampling covers it.
     let shared = |radiance: Vec3, density: f64| {
@@ -172,7 +163,7 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
     if !material.is_specular() || vertex.depth >= job.settings.max_depth {
         return None;
     }
-    let numbers = job.sampler.four(Draw::Bend.key(path, vertex.depth));
+    let numbers = job.sampler.point(Draw::Bend.key(path, vertex.depth));
     let bounce = shade::scatter(materials, &incidence, numbers)?;
     vertex.brings *= bounce.weight;
     vertex.media = bounce.media;

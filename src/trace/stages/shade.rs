@@ -10,7 +10,7 @@ use super::super::vertex::Vertex;
 use super::deposit::{LightSource, deposit};
 use super::draw::Numbers;
 use super::emit::emit;
-use super::light::{self, propose};
+use super::light::propose;
 use super::meet::meet;
 use super::record::record_hit;
 use super::scatter::scatter;
@@ -51,7 +51,7 @@ pub fn shade(
         vertex.after_specular = true;
         return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
     }
-    let (depth, chance) = (path.depth + 1, light::chance(path));
+    let (depth, chance) = (path.depth + 1, illumination.chance(path.throughput));
     let light_ray = propose(job, illumination, path, &incidence, landing, numbers.light);
     let bounce = scatter(job, path, &incidence, numbers.ray);
     *vertex = Vertex {

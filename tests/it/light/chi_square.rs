@@ -382,7 +382,7 @@ fn random_numbers_are_even_in_every_pair_of_dimensions() {
         for [a, b] in [[0, 1], [0, 2], [1, 3], [2, 3]] {
             let key = |pixel| warpfront::shade::Key { pixel, sample: 5, set: 7 };
             let pairs = (0..COUNT as u32).map(|pixel| {
-                let four = sampler.four(key(pixel));
+                let four: [f32; 4] = sampler.point(key(pixel));
                 Some([four[a], four[b]].map(f64::from))
             });
             let space = Space { place: &|pair: [f64; 2]| pair, at: &|place| place, measure: 1.0 };

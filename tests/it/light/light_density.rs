@@ -81,7 +81,7 @@ impl Lit {
     /// Directions of light samples with their targets and densities; `None` for those that find nothing.
     fn samples(&self, receiver: &Receiver, random: &mut Random, count: usize) -> Vec<(DVec3, Target, f64)> {
         let sample = |random: &mut Random| {
-            let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+            let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let sample = self.sampler.sample(&self.lights, receiver, numbers)?;
             let Incoming::Radiance(_, density) = sample.light else { return None };
             Some((sample.direction, sample.target, density))

@@ -58,7 +58,7 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
         let lights = Lights::new(geometry, materials, environment, &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         let samples: Vec<_> = (0..COUNT)
-            .map(|_| sampler.sample(&lights, &receiver, [0; 4].map(|_| random.between(0.0, 1.0))))
+            .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
         // Each density is an aim of its own: one light of each scene.
         for emitter in lights.emitters().iter().skip(number % 4).take(1) {
@@ -128,7 +128,7 @@ fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
         let position = random.log_between(4.0, 25.0) * random.direction();
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         let samples: Vec<_> = (0..4 * COUNT)
-            .map(|_| sampler.sample(&lights, &receiver, [0; 4].map(|_| random.between(0.0, 1.0))))
+            .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
         // The tile of the brightest pixel, and where it is seen.
         let tile = (0..100).filter_map(|i| tiles.choose_tile(0.01 * f64::from(i)));
@@ -182,7 +182,7 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let lights = Lights::new(&scene.geometry, &scene.materials, &sky(), &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         for _ in 0..20 {
-            let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+            let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
             let density = match sample.light {
                 Incoming::Radiance(radiance, density) if radiance == Vec3::ONE => density,
@@ -251,7 +251,7 @@ fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
     let mut random = Random::new(3);
     let mut azimuths = [0; 8];
     for _ in 0..4000 {
-        let numbers = [0; 4].map(|_| random.between(0.0, 1.0));
+        let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
         let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
         let Target::Surface(primitive, _) = sample.target else { continue };
         let emitter = lights.emitters().iter().find(|emitter| emitter.primitive == primitive);

@@ -39,7 +39,7 @@ fn light(
     let (mut sum, mut grain, mut directions): (f64, f64, Vec<DVec3>) = (0.0, 0.0, Vec::new());
     for i in 0..CHOICES {
         let u = (i as f64 + 0.5) / CHOICES as f64;
-        let Some(sample) = sampler.sample(&lights, &receiver, [0.5, u, 0.5, 0.5]) else { continue };
+        let Some(sample) = sampler.sample(&lights, &receiver, [0.5, u]) else { continue };
         let Incoming::Irradiance(irradiance) = sample.light else { panic!("{:?}", sample.light) };
         sum += f64::from(irradiance.x) / CHOICES as f64;
         if irradiance.x > 0.0 && !directions.iter().any(|known| known.distance(sample.direction) < 1e-3) {

@@ -35,7 +35,7 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     let sampler = Sampler::sobol(1);
     let mut sums = vec![0.0; rows.len()];
     for sample in 0..SAMPLES {
-        let numbers = sampler.four(Key { pixel: 0, sample, set: 1 }).map(f64::from);
+        let numbers = sampler.point(Key { pixel: 0, sample, set: 1 });
         let Some(found) = aim.sample(&lights, &receiver, numbers) else { continue };
         let Incoming::Radiance(_, density) = found.light else { continue };
         let nearest = (0..rows.len())
