@@ -51,6 +51,31 @@ impl Chebyshev {
         0.5 * (sum + 1.0 / sum)
     }
 
+    /// Coefficients by power of x: as good as terms that fall fast enough.
+    pub fn powers(&self) -> Vec<f64> {
+        let count = self.terms.len();
+        let mut powers = vec![0.0; count];
+        // T_n and the one before, by power of x.
+        let (mut this, mut before) = (vec![0.0; count], vec![0.0; count]);
+        this[0] = 1.0;
+        for (degree, term) in self.terms.iter().enumerate() {
+            let twice = if degree == 0 { 1.0 } else { 2.0 };
+            let mut next: Vec<f64> = this
+                .iter()
+                .zip(&before)
+                .map(|(this, before)| -twice * self.scale * self.middle * this - before)
+                .collect();
+            for power in 0..count {
+                powers[power] += term[0] * this[power];
+                if power > 0 {
+                    next[power] += twice * self.scale * this[power - 1];
+                }
+            }
+            (this, before) = (next, this);
+        }
+        powers
+    }
+
     /// Value and derivative at `x`, by Clenshaw's recurrence.
     #[inline]
     pub fn at(&self, x: f64) -> [f64; 2] {
@@ -99,6 +124,16 @@ mod tests {
         // A pole at twice the half-length.
         let fit = Chebyshev::fit(60, (0.0, 2.0), |x| 1.0 / (3.0 - x)).trimmed(1e-12);
         assert!((1.8..2.2).contains(&fit.reach(1e-12)), "{}", fit.reach(1e-12));
+    }
+
+    #[test]
+    fn powers_of_the_argument_make_the_same_polynomial() {
+        let fit = Chebyshev::fit(12, (0.0, 0.8), |x| 1.0 / (1.5 - x));
+        for i in 0..=10 {
+            let x = 0.08 * f64::from(i);
+            let value = fit.powers().iter().rev().fold(0.0, |sum, power| sum * x + power);
+            assert!((value - fit.at(x)[0]).abs() < 1e-10, "{x}: {value}");
+        }
     }
 
     #[test]

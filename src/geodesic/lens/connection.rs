@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::map::{Lens, Site};
-use super::track::{Track, distance, oriented};
+use super::track::{Straight, Track, oriented, straight};
 use crate::math::frame;
 
 /// A ray from one place, x, to another, y.
@@ -41,7 +41,8 @@ impl Lens {
     pub fn connect(&self, x: &Site, y: &Site, winding: u32) -> Option<Connection> {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
-        let angle = libm::atan2(sin, x.radial.dot(y.radial));
+        let cos = x.radial.dot(y.radial);
+        let angle = libm::atan2(sin, cos);
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
         let swept = if odd { turns + (PI - angle) } else { turns + angle };
         let radial = swept < RADIAL;
@@ -49,7 +50,8 @@ impl Lens {
             return None;
         }
         let (swept, sine) = if radial { (RADIAL, RADIAL) } else { (swept, sin) };
-        let track = self.track(x, y, swept)?;
+        // Rays that go around are not guessed by it.
+        let track = self.track(x, y, (swept, sine / (1.0 + cos)))?;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
         let vector = |site: &Site, [cos, sin]: [f64; 2]| {
@@ -82,13 +84,8 @@ impl Lens {
         let gamma = self.guess(near, far, angle, sin / (1.0 + x.radial.dot(y.radial)));
         let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
         let [cos, sin] = if is_weak {
-            let d = distance(near, far, gamma);
-            let (sin, cos) = libm::sincos(gamma);
-            if reversed {
-                [-(near.q * cos - far.q) / d, near.q * sin / d]
-            } else {
-                [(near.q - far.q * cos) / d, far.q * sin / d]
-            }
+            let Straight { leaving: [cos, sin], arriving, .. } = straight(near, far, gamma);
+            if reversed { [-cos, sin] } else { arriving }
         } else {
             let sin = (self.critical * y.q).min(1.0);
             [(1.0 - sin * sin).sqrt().copysign(y.s), sin]

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::rules::{Lanes, RULES, rule};
+use super::weak::WeakBending;
 use crate::math::chebyshev::Chebyshev;
 use crate::spacetime::ConformallyFlat;
 
@@ -27,6 +28,8 @@ pub struct Lens {
     place: Chebyshev,
     /// |s| up to which h is analytic, inside and outside.
     pub(super) reach: [f64; 2],
+    /// κ away from the photon sphere, if a short polynomial is good enough.
+    pub(super) bending: Option<WeakBending>,
     /// Gauss–Legendre rules, the number of nodes growing.
     pub(super) rules: Vec<Vec<(Lanes, Lanes)>>,
     /// Resolution that a rule must have: −½ ln of the relative error.
@@ -92,6 +95,11 @@ impl Lens {
             Chebyshev::fit(TERMS, (low, high), value).trimmed(0.1 * tolerance)
         };
         let (inside, outside) = (part(-1.0, 0.0), part(0.0, 1.0));
+        let stretch = |share: f64| {
+            let s = (1.0 - share).sqrt();
+            h(s) / s
+        };
+        let bending = WeakBending::fit(0.1 * tolerance, stretch);
         // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
         let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
         Some(Self {
@@ -103,6 +111,7 @@ impl Lens {
             weak: 0.5 * (1.0 - outside.at(1.0)[1]),
             outside,
             inside,
+            bending,
             reach,
             place: Chebyshev::fit(TERMS, near, |s| place(s) / photon_sphere),
             rules: RULES.map(rule).to_vec(),

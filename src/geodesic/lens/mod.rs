@@ -42,6 +42,7 @@ mod swept;
 mod tests;
 mod track;
 mod travel_time;
+mod weak;
 
 pub use connection::Connection;
 pub use map::{Lens, Site};

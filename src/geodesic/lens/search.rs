@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::map::{Lens, Site};
-use super::track::{Track, oriented, straight};
+use super::track::{Straight, Track, oriented, straight};
 use crate::math::kernel::widest;
 
 /// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
@@ -19,13 +19,13 @@ const SLOPE_SAFETY: f64 = 0.1;
 const MOST_ITERATIONS: u32 = 60;
 
 impl Lens {
-    /// The ray from `x` to `y` that sweeps an angle.
-    pub(super) fn track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
-        widest(Tracking { lens: self, x, y, swept })
+    /// The ray from `x` to `y` that sweeps an angle, whose half has the tangent `half`.
+    pub(super) fn track(&self, x: &Site, y: &Site, (swept, half): (f64, f64)) -> Option<Track> {
+        widest(Tracking { lens: self, x, y, swept, half })
     }
 
     #[inline(always)]
-    fn find_track(&self, x: &Site, y: &Site, swept: f64) -> Option<Track> {
+    fn find_track(&self, x: &Site, y: &Site, (swept, half): (f64, f64)) -> Option<Track> {
         if x.s.abs().max(y.s.abs()) < ON_PHOTON_SPHERE && !x.is_at_other_depth(y) {
             return Some(self.circling(x, y, swept));
         }
@@ -40,14 +40,15 @@ impl Lens {
         }
         let reversed = y.q > x.q;
         let (near, far) = if reversed { (y, x) } else { (x, y) };
-        // Where b reaches b_c beyond the point next to the photon sphere: cos θ = −√(1 − (b_c q)²).
+        // Where b reaches b_c beyond the point next to the photon sphere: cos θ = −√(1 − (b_c q)²) at both ends.
         let critical = |site: &Site| {
             let s2 = site.s * site.s;
-            libm::atan2(1.0 - s2, (s2 * (2.0 - s2)).sqrt())
+            [1.0 - s2, (s2 * (2.0 - s2)).sqrt()]
         };
-        let most = PI - critical(near) - critical(far);
-        let guess =
-            if swept < 0.9 * most { self.guess(near, far, swept, libm::tan(0.5 * swept)) } else { swept };
+        let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
+        let (sin, cos) = (near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin);
+        let most = PI - libm::atan2(sin, cos);
+        let guess = if swept < 0.9 * most { self.guess(near, far, swept, half) } else { swept };
         // Of a wide lens the bending is not weak at all.
         let guess = if guess > 0.0 { guess } else { 0.5 * swept };
         let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
@@ -75,6 +76,7 @@ struct Tracking<'a> {
     x: &'a Site,
     y: &'a Site,
     swept: f64,
+    half: f64,
 }
 
 impl pulp::NullaryFnOnce for Tracking<'_> {
@@ -82,7 +84,7 @@ impl pulp::NullaryFnOnce for Tracking<'_> {
 
     #[inline(always)]
     fn call(self) -> Option<Track> {
-        self.lens.find_track(self.x, self.y, self.swept)
+        self.lens.find_track(self.x, self.y, (self.swept, self.half))
     }
 }
 
@@ -151,9 +153,9 @@ impl Family for SameSideRays<'_> {
 
     #[inline(always)]
     fn at_root(&self, gamma: f64, slope: f64) -> Option<Track> {
-        let (b, start, end, distance) = straight(self.near, self.far, gamma);
+        let Straight { b, leaving, arriving, distance, .. } = straight(self.near, self.far, gamma);
         let side = self.near.s.signum();
-        let [start, end] = [start, end].map(|[cos, sin]| [side * cos, sin]);
+        let [start, end] = [leaving, arriving].map(|[cos, sin]| [side * cos, sin]);
         Some(Track { swept: self.swept, b, start, end, rate: slope * distance, distance })
     }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::map::{Lens, NEAR_PHOTON_SPHERE, Site};
+use super::weak::{Bend, WEAK_RULE, WeakBending};
 
 /// A ray from one place to another in the plane of its orbit.
 #[derive(Clone, Copy, Debug)]
@@ -27,11 +28,22 @@ impl Lens {
     #[inline(always)]
     pub(super) fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
         let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
-        let (b, leaving, arriving, d) = straight(near, far, gamma);
-        let (sin, cos) = libm::sincos(gamma);
+        let Straight { b, leaving, arriving, distance: d, sin, cos } = straight(near, far, gamma);
         let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
         let m = self.critical / b;
-        let (swept, slope) = if m > 1.0 {
+        // d/dγ of the angle at the far end.
+        let turn = far.q * (near.q * cos - far.q) / (d * d);
+        let weak = self.bending.as_ref().filter(|_| side > 0.0);
+        let shares = [self.critical * near.q, self.critical * far.q];
+        let bend =
+            weak.filter(|_| m <= 1.0).and_then(|weak| weak.bend(shares, [leaving[0], arriving[0]], gamma, m));
+        let (swept, slope) = if let Some(Bend { excess, by_m, at_ends: [at_near, at_far] }) = bend {
+            (gamma + excess, at_near * (1.0 + turn) - at_far * turn - by_m * db / b)
+        } else if let Some(weak) = weak.filter(|_| m > 1.0 && WeakBending::reaches(shares[0])) {
+            let gap = self.critical * (near.q - far.q);
+            let (swept, slope) = weak.pass(&self.rules[WEAK_RULE], (shares[0], gap), m);
+            (swept, -slope * m / b * db)
+        } else if m > 1.0 {
             // Far away s is 1 to rounding.
             let sum = (near.s + far.s).abs();
             let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
@@ -45,8 +57,7 @@ impl Lens {
             let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
             let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
             let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
-            let bend = far.q * (near.q * cos - far.q) / (d * d);
-            (swept, at_near * (1.0 + bend) - at_far * bend + by_b * db)
+            (swept, at_near * (1.0 + turn) - at_far * turn + by_b * db)
         };
         let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
         let (start, end) = (outwards(leaving), outwards(arriving));
@@ -115,23 +126,39 @@ impl Lens {
     }
 }
 
-/// Of the straight line between two places that are seen under the angle `gamma`: impact parameter, cosine and sine of
-/// the angle to the radius at the start and at the end, and [`distance`].
-#[inline(always)]
-pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> (f64, [f64; 2], [f64; 2], f64) {
-    let (sin, cos) = libm::sincos(gamma);
-    let d = distance(near, far, gamma);
-    let leaving = [(near.q * cos - far.q) / d, near.q * sin / d];
-    let arriving = [(near.q - far.q * cos) / d, far.q * sin / d];
-    (sin / d, leaving, arriving, d)
+/// A straight line between two places.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Straight {
+    /// Impact parameter.
+    pub(super) b: f64,
+    /// Cosine and sine of the angle to the radius at the start.
+    pub(super) leaving: [f64; 2],
+    /// Cosine and sine of it at the end.
+    pub(super) arriving: [f64; 2],
+    /// q_x q_y times its length: the third side of the triangle of inverse radii.
+    pub(super) distance: f64,
+    /// Sine of the angle that it sweeps.
+    sin: f64,
+    /// Cosine of it.
+    cos: f64,
 }
 
-/// q_x q_y times the length of the straight line between two places that are seen under an angle: the third side of the
-/// triangle of their inverse radii.
+/// The straight line between two places that are seen under the angle `gamma`.
 #[inline(always)]
-pub(super) fn distance(x: &Site, y: &Site, angle: f64) -> f64 {
-    let half = libm::sin(0.5 * angle);
-    ((x.q - y.q).powi(2) + 4.0 * x.q * y.q * half * half).sqrt()
+pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> Straight {
+    let (half_sin, half_cos) = libm::sincos(0.5 * gamma);
+    let (sin, versine) = (2.0 * half_sin * half_cos, 2.0 * half_sin * half_sin);
+    let cos = 1.0 - versine;
+    let distance = ((near.q - far.q).powi(2) + 2.0 * near.q * far.q * versine).sqrt();
+    let per_distance = 1.0 / distance;
+    Straight {
+        b: sin * per_distance,
+        leaving: [(near.q * cos - far.q) * per_distance, near.q * sin * per_distance],
+        arriving: [(near.q - far.q * cos) * per_distance, far.q * sin * per_distance],
+        distance,
+        sin,
+        cos,
+    }
 }
 
 /// The track, or the same run backwards.

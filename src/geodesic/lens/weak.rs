@@ -1,0 +1,139 @@
+//! Rays that keep away from the photon sphere, in closed form.
+//!
+//! There κ − 1 is a short polynomial of b_c/B = m sin θ, m = b_c/b, so that the angle swept is a sum of integrals of
+//! powers of sines:
+//!
+//! ```text
+//! κ = 1 + Σ c_k (b_c/B)^k,   φ = γ + Σ c_k m^k J_k,   k J_k = [−cos θ sin^(k−1) θ] + (k − 1) J_(k−2).
+//! ```
+//!
+//! For m > 1 the recurrence is unstable; but then rays do not turn, and a rule of a few nodes does for
+//!
+//! ```text
+//! φ = ∫ κ du/√(m² − u²),   u = b_c/B.
+//! ```
+
+use super::rules::{LANES, Lanes};
+use crate::math::chebyshev::Chebyshev;
+
+/// κ outside of a sphere around the photon sphere.
+#[derive(Clone, Debug)]
+pub(super) struct WeakBending {
+    /// c_k, from k = 1 on.
+    terms: [f64; TERMS],
+}
+
+/// Bending of a ray that may turn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bend {
+    /// Angle swept beyond that of the straight line.
+    pub(super) excess: f64,
+    /// Its derivative by b at fixed angles, times −b.
+    pub(super) by_m: f64,
+    /// κ at both ends.
+    pub(super) at_ends: [f64; 2],
+}
+
+/// Terms of the polynomial.
+const TERMS: usize = 16;
+/// Largest b_c/B on a ray.
+const REACH: f64 = 0.75;
+/// Index of the rule of 8 nodes: as good as the polynomial.
+pub(super) const WEAK_RULE: usize = 1;
+/// Least angle swept by the straight line, radians: below, rounding weighs more than the tolerances that terms allow.
+const SHORTEST: f64 = 1e-8;
+
+impl WeakBending {
+    /// Fits `stretch`, κ as a function of b_c/B, to a relative `tolerance`; `None` if that takes more terms.
+    pub(super) fn fit(tolerance: f64, stretch: impl Fn(f64) -> f64) -> Option<Self> {
+        let whole = Chebyshev::fit(2 * TERMS, (0.0, REACH), |share| (stretch(share) - 1.0) / share);
+        let powers = whole.trimmed(tolerance).powers();
+        let mut terms = [0.0; TERMS];
+        terms.get_mut(..powers.len())?.copy_from_slice(&powers);
+        Some(Self { terms })
+    }
+
+    /// True if no place nearer than one of b_c/B = `share` is too near.
+    #[inline(always)]
+    pub(super) fn reaches(share: f64) -> bool {
+        share <= REACH
+    }
+
+    /// The bend of a ray of m ≤ 1 between two places with these b_c/B, that of the nearer one first: of these cosines of
+    /// the angle to the radius, with the angle `gamma` between them along a straight line. `None` if a part of it is too
+    /// near, or all of it too short.
+    #[inline(always)]
+    pub(super) fn bend(
+        &self,
+        [near, far]: [f64; 2],
+        [leaving, arriving]: [f64; 2],
+        gamma: f64,
+        m: f64,
+    ) -> Option<Bend> {
+        if !(Self::reaches(if leaving < 0.0 { m } else { near }) && gamma > SHORTEST) {
+            return None;
+        }
+        let (leaving, arriving, m2) = (m * leaving, m * arriving, m * m);
+        let (mut near_power, mut far_power) = (1.0, 1.0);
+        // k m^k J_k of the last k, and of the one before.
+        let (mut last, mut before) = (0.0, 0.0);
+        let (mut excess, mut by_m) = (0.0, 0.0);
+        let (mut at_near, mut at_far) = (1.0, 1.0);
+        let mut add = |i: usize| {
+            let k = (i + 1) as f64;
+            let earlier = if i == 1 { gamma * m2 } else { before * (m2 * ((k - 1.0) / (k - 2.0))) };
+            let integral = arriving * far_power - leaving * near_power + earlier;
+            (before, last) = (last, integral);
+            excess += self.terms[i] * (1.0 / k) * integral;
+            by_m += self.terms[i] * integral;
+            (near_power, far_power) = (near_power * near, far_power * far);
+            at_near += self.terms[i] * near_power;
+            at_far += self.terms[i] * far_power;
+        };
+        // Written out, to be straight-line code.
+        const { assert!(TERMS == 16, "write out all terms") };
+        add(0);
+        add(1);
+        add(2);
+        add(3);
+        add(4);
+        add(5);
+        add(6);
+        add(7);
+        add(8);
+        add(9);
+        add(10);
+        add(11);
+        add(12);
+        add(13);
+        add(14);
+        add(15);
+        let bend = Bend { excess, by_m, at_ends: [at_near, at_far] };
+        Some(bend)
+    }
+
+    /// φ and dφ/dm of a ray of m > 1 between two places with b_c/B of at most `near`, by how much less the other's is, by
+    /// a `rule` of nodes.
+    #[inline(always)]
+    pub(super) fn pass(&self, rule: &[(Lanes, Lanes)], (near, gap): (f64, f64), m: f64) -> (f64, f64) {
+        let half = 0.5 * gap;
+        let middle = near - half;
+        let mut sums = [0.0; 2];
+        for (nodes, weights) in rule {
+            let u = nodes.map(|node| middle + half * node);
+            let mut stretch = [0.0; LANES];
+            for term in self.terms.iter().rev() {
+                for lane in 0..LANES {
+                    stretch[lane] = (stretch[lane] + term) * u[lane];
+                }
+            }
+            for lane in 0..LANES {
+                let per_square = 1.0 / ((m - u[lane]) * (m + u[lane]));
+                let share = weights[lane] * (1.0 + stretch[lane]) * per_square.sqrt();
+                sums[0] += share;
+                sums[1] += share * per_square;
+            }
+        }
+        (half * sums[0], -m * half * sums[1])
+    }
+}
