@@ -3,6 +3,9 @@
 //! A worker owns its wavefront; nothing is shared and nothing is atomic. Lanes are dense: a path that ends leaves its
 //! lane to a new camera path, and when none are left, to the last lane. What a lane computes depends on its path alone,
 //! so the picture depends neither on the batch size nor on the order of lanes.
+//!
+//! What every round needs of all rays is held in columns, what is needed only where a ray ends in rows, which are
+//! worked on in their place.
 
 use super::job::Job;
 use super::path::{Gathers, Path};
@@ -27,9 +30,10 @@ use crate::spacetime::AtInfinity;
 pub struct Wavefront<T: Transport> {
     flights: Columns<T::Flight>,
     moves: Columns<T::Move>,
-    paths: Columns<Path>,
-    /// Empty without light sampling.
-    vertices: Columns<Vertex>,
+    /// Those of the lanes in use.
+    paths: Vec<Path>,
+    /// Those of the lanes in use; empty without light sampling.
+    vertices: Vec<Vertex>,
     /// Payloads of rays where their paths were scattered last.
     carried: Vec<T::Carried>,
     /// Payloads of rays where they ended in this round.
@@ -39,8 +43,6 @@ pub struct Wavefront<T: Transport> {
     draws: Draws,
     search: Search<T::Segment>,
     scratch: T::Scratch,
-    /// Lanes in use.
-    live: usize,
     capacity: usize,
     events: Events<T::Carried>,
 }
@@ -59,6 +61,7 @@ struct Events<C> {
     gone: Vec<(usize, AtInfinity)>,
     escaped: Vec<(usize, AtInfinity)>,
     ended: Vec<(usize, RayEnd)>,
+    /// Lanes whose paths have ended.
     finished: Vec<usize>,
 }
 
@@ -68,15 +71,14 @@ impl<T: Transport> Wavefront<T> {
         Self {
             flights: Columns::default(),
             moves: Columns::default(),
-            paths: Columns::default(),
-            vertices: Columns::default(),
+            paths: Vec::new(),
+            vertices: Vec::new(),
             carried: Vec::new(),
             arrived: Vec::new(),
             exactly: Vec::new(),
             draws: Draws::default(),
             search: Search::default(),
             scratch: T::Scratch::default(),
-            live: 0,
             capacity,
             events: Events::default(),
         }
@@ -92,28 +94,27 @@ impl<T: Transport> Wavefront<T> {
         counters: &mut Counters,
         times: &mut StageTimes,
     ) -> Option<()> {
-        self.resize(self.capacity.min(work.paths() as usize), job.illumination.is_some());
+        self.resize(self.capacity.min(work.paths() as usize));
         let mut next = 0;
         let mut lap = Lap::start();
         loop {
             if job.halt.is_due() {
-                self.live = 0;
                 return None;
             }
-            let before = self.live;
-            self.generate(job, transport, work, &mut next, counters);
-            lap.end(|times| &mut times.generate, self.live - before);
-            if self.live == 0 {
+            let fresh = self.generate(job, transport, work, &mut next, counters);
+            lap.end(|times| &mut times.generate, fresh);
+            let live = self.paths.len();
+            if live == 0 {
                 times.add(&lap.finish());
                 return Some(());
             }
-            lap.count(self.live, self.exactly.len(), LANES);
-            transport.advance_all(self.flights.blocks(self.live), self.moves.blocks_mut(self.live));
-            lap.end(|times| &mut times.advance, self.live);
+            lap.count(live, self.exactly.len(), LANES);
+            transport.advance_all(self.flights.blocks(live), self.moves.blocks_mut(live));
+            lap.end(|times| &mut times.advance, live);
             self.intersect(job, transport, counters);
-            lap.end(|times| &mut times.intersect, self.live);
+            lap.end(|times| &mut times.intersect, live);
             self.settle(job, transport, samples, counters);
-            lap.end(|times| &mut times.settle, self.live);
+            lap.end(|times| &mut times.settle, live);
             let Events { landed, lit, specular, gone, escaped, ended, .. } = &self.events;
             let (lost, met) =
                 (escaped.len() + ended.len(), landed.len() + lit.len() + specular.len() + gone.len());
@@ -125,68 +126,106 @@ impl<T: Transport> Wavefront<T> {
             transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
             self.events.starts.clear();
             lap.end(|times| &mut times.scatter, met);
-            let finished = self.events.finished.len();
             self.film(samples);
-            lap.end(|times| &mut times.film, finished);
+            lap.end(|times| &mut times.film, self.events.finished.len());
         }
     }
 
-    fn resize(&mut self, lanes: usize, has_vertices: bool) {
+    /// Makes room for `lanes` rays, and forgets those of work that was given up.
+    fn resize(&mut self, lanes: usize) {
         self.flights.resize(lanes);
         self.moves.resize(lanes);
-        self.paths.resize(lanes);
-        self.vertices.resize(if has_vertices { lanes } else { 0 });
+        self.paths.clear();
+        self.vertices.clear();
+        self.events.finished.clear();
         self.carried.resize(lanes, T::Carried::default());
         self.arrived.resize(lanes, T::Carried::default());
         self.exactly.resize(lanes, true);
     }
 
-    /// Fills free lanes with camera paths, from number `next` on.
-    fn generate(&mut self, job: &Job, transport: &T, work: &Work, next: &mut u32, counters: &mut Counters) {
-        let free = (self.exactly.len() - self.live).min((work.paths() - *next) as usize);
-        let fresh = self.live..self.live + free;
-        for (lane, index) in fresh.clone().zip(*next..) {
-            self.paths.set(lane, start(job, work, index));
+    /// Fills lanes of finished paths and free ones with camera paths, from number `next` on: how many. Lanes that are
+    /// left over are closed up.
+    fn generate(
+        &mut self,
+        job: &Job,
+        transport: &T,
+        work: &Work,
+        next: &mut u32,
+        counters: &mut Counters,
+    ) -> usize {
+        let left = (work.paths() - *next) as usize;
+        self.close_up(left);
+        let Self { paths, vertices, exactly, draws, events, .. } = self;
+        let Events { finished: lanes, starts, .. } = events;
+        let free = paths.len()..exactly.len().min(paths.len() + left - lanes.len());
+        for (&lane, index) in lanes.iter().zip(*next..) {
+            paths[lane] = start(job, work, index);
         }
-        let Self { paths, draws, .. } = self;
-        draws.cameras(job, fresh.clone().map(|lane| paths.get(lane)));
-        for (place, lane) in fresh.enumerate() {
-            let path = paths.get(lane);
-            let (position, direction) = camera_ray(job, &path, draws.camera(place));
-            if job.illumination.is_some() {
-                self.vertices.set(lane, Vertex::default());
-            }
-            self.exactly[lane] = true;
+        let first = *next + lanes.len() as u32;
+        paths.extend(free.clone().zip(first..).map(|(_, index)| start(job, work, index)));
+        if job.illumination.is_some() {
+            lanes.iter().for_each(|&lane| vertices[lane] = Vertex::default());
+            vertices.resize(paths.len(), Vertex::default());
+        }
+        lanes.extend(free);
+        draws.cameras(job, lanes.iter().map(|&lane| &paths[lane]));
+        for (place, &lane) in lanes.iter().enumerate() {
+            let path = &paths[lane];
+            let (position, direction) = camera_ray(job, path, draws.camera(place));
+            exactly[lane] = true;
             let carried = T::Carried::default();
             let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
-            let start = Start { position, direction, origin_prim, carried };
-            self.events.starts.push((lane, start));
+            starts.push((lane, Start { position, direction, origin_prim, carried }));
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
         }
-        self.live += free;
-        *next += free as u32;
-        counters.rays += free as u64;
-        transport.launch_all(&self.events.starts, &mut self.flights, &mut self.scratch);
-        self.events.starts.clear();
+        let fresh = lanes.len();
+        lanes.clear();
+        *next += fresh as u32;
+        counters.rays += fresh as u64;
+        transport.launch_all(starts, &mut self.flights, &mut self.scratch);
+        starts.clear();
+        fresh
+    }
+
+    /// Gives lanes of finished paths to the last paths, from the back so that no finished lane is moved, until only
+    /// `kept` are left.
+    fn close_up(&mut self, kept: usize) {
+        let Self { flights, paths, vertices, carried, exactly, events, .. } = self;
+        if events.finished.len() <= kept {
+            return;
+        }
+        events.finished.sort_unstable();
+        for lane in events.finished.drain(kept..).rev() {
+            paths.swap_remove(lane);
+            let last = paths.len();
+            flights.set(lane, flights.get(last));
+            (carried[lane], exactly[lane]) = (carried[last], exactly[last]);
+            if !vertices.is_empty() {
+                vertices.swap_remove(lane);
+            }
+        }
     }
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
-        let Self { flights, moves, search, live, .. } = self;
-        intersect_all(transport, &job.scene.geometry, (flights, moves), search, *live, counters);
+        let Self { flights, moves, search, paths, .. } = self;
+        intersect_all(transport, &job.scene.geometry, (flights, moves), search, paths.len(), counters);
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
     fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
         self.record_steps(transport, samples);
-        let lit = |vertices: &Columns<Vertex>, lane: usize| {
-            job.illumination.as_ref().filter(|_| vertices.get(lane).light_ray_in_flight)
+        let Self { flights, moves, paths, vertices, arrived, search, exactly, events, scratch, .. } = self;
+        let (live, vertices) = (paths.len(), &*vertices);
+        let lit = |lane: usize| {
+            let illumination = job.illumination.as_ref()?;
+            Some((illumination, vertices.get(lane).filter(|vertex| vertex.light_ray_in_flight)?))
         };
-        let Self { flights, moves, vertices, arrived, search, exactly, live, events, scratch, .. } = self;
         // Only punctual lights are passed.
-        if let Some(illumination) = job.illumination.as_ref().filter(|i| i.lights.has_points()) {
-            for lane in (0..*live).filter(|&lane| vertices.get(lane).light_ray_in_flight) {
+        if job.illumination.as_ref().is_some_and(|illumination| illumination.lights.has_points()) {
+            for lane in 0..live {
+                let Some((illumination, vertex)) = lit(lane) else { continue };
                 let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
-                if light::passes_its_light(illumination, transport, ray, &vertices.get(lane)) {
+                if light::passes_its_light(illumination, transport, ray, vertex) {
                     events.lit.push((lane, true));
                 }
             }
@@ -194,17 +233,17 @@ impl<T: Transport> Wavefront<T> {
         let passed = events.lit.len();
         let fates = &mut counters.fates;
         let geometry = &job.scene.geometry;
-        let (found, exactly) = (&search.found[..*live], &exactly[..*live]);
+        let (found, exactly) = (&search.found[..live], &exactly[..live]);
         transport.settle_all(
             Moved { geometry, flights, moves, found, exactly },
             scratch,
             |lane, outcome, carried| {
                 arrived[lane] = carried;
-                if let Some(illumination) = lit(vertices, lane) {
+                if let Some((illumination, vertex)) = lit(lane) {
                     if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
                         return;
                     }
-                    match light::conclude(illumination, &vertices.get(lane), outcome) {
+                    match light::conclude(illumination, vertex, outcome) {
                         LightRayProgress::Flying(_) => {}
                         LightRayProgress::Ended(is_reached) => events.lit.push((lane, is_reached)),
                         LightRayProgress::Landed(landing) => events.specular.push((lane, landing)),
@@ -244,117 +283,100 @@ impl<T: Transport> Wavefront<T> {
         if !(samples.needs().steps || samples.needs().length) {
             return;
         }
-        for lane in 0..self.live {
+        for (lane, path) in self.paths.iter().enumerate() {
             let light_ray_in_flight =
-                !self.vertices.is_empty() && self.vertices.get(lane).light_ray_in_flight;
+                self.vertices.get(lane).is_some_and(|vertex| vertex.light_ray_in_flight);
             let length = || {
                 let point = self.search.found[lane].map(|found| found.point);
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
-            record_step(&self.paths.get(lane), light_ray_in_flight, length, samples);
+            record_step(path, light_ray_in_flight, length, samples);
         }
     }
 
     /// Ends the paths whose rays met nothing.
     fn escape(&mut self, job: &Job, samples: &mut Samples) {
-        for (lane, there) in self.events.escaped.drain(..) {
-            let mut path = self.paths.get(lane);
-            let vertex = if job.illumination.is_some() { self.vertices.get(lane) } else { Vertex::default() };
-            escape(job, &mut path, &vertex, there);
-            record_end(job, &path, RayEnd::Escaped, Some(there.side), samples);
-            self.paths.set(lane, path);
-            self.events.finished.push(lane);
+        let Self { paths, vertices, events, .. } = self;
+        let Events { escaped, ended, finished, .. } = events;
+        let free = Vertex::default();
+        for (lane, there) in escaped.drain(..) {
+            let path = &mut paths[lane];
+            escape(job, path, vertices.get(lane).unwrap_or(&free), there);
+            record_end(job, path, RayEnd::Escaped, Some(there.side), samples);
+            finished.push(lane);
         }
-        for (lane, fate) in self.events.ended.drain(..) {
-            record_end(job, &self.paths.get(lane), fate, None, samples);
-            self.events.finished.push(lane);
+        for (lane, fate) in ended.drain(..) {
+            record_end(job, &paths[lane], fate, None, samples);
+            finished.push(lane);
         }
     }
 
     /// Takes light rays through mirrors and glass.
     fn through_specular(&mut self, job: &Job) {
-        for (lane, landing) in self.events.specular.drain(..) {
-            let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
-            match light::through_specular(job, &mut path, &mut vertex, &landing) {
+        let Self { paths, vertices, arrived, events, .. } = self;
+        let Events { specular, gone, lit, starts, .. } = events;
+        for (lane, landing) in specular.drain(..) {
+            match light::through_specular(job, &mut paths[lane], &mut vertices[lane], &landing) {
                 Some(direction) => {
                     let Landing { position, primitive: origin_prim, .. } = landing;
-                    let carried = self.arrived[lane];
-                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
+                    let carried = arrived[lane];
+                    starts.push((lane, Start { position, direction, origin_prim, carried }));
                 }
-                None => self.events.lit.push((lane, false)),
+                None => lit.push((lane, false)),
             }
-            self.paths.set(lane, path);
-            self.vertices.set(lane, vertex);
         }
-        for (lane, there) in self.events.gone.drain(..) {
-            let mut path = self.paths.get(lane);
-            light::escape(job, &mut path, &self.vertices.get(lane), there);
-            self.paths.set(lane, path);
-            self.events.lit.push((lane, false));
+        for (lane, there) in gone.drain(..) {
+            light::escape(job, &mut paths[lane], &vertices[lane], there);
+            lit.push((lane, false));
         }
     }
 
     /// Adds what light rays brought and launches the continuations of their paths in the same lanes.
     fn gather(&mut self, counters: &mut Counters) {
-        for (lane, is_reached) in self.events.lit.drain(..) {
-            let (mut path, mut vertex) = (self.paths.get(lane), self.vertices.get(lane));
-            match gather(&mut path, &mut vertex, is_reached) {
+        let Self { paths, vertices, carried, exactly, events, .. } = self;
+        let Events { lit, starts, finished, .. } = events;
+        for (lane, is_reached) in lit.drain(..) {
+            let vertex = &mut vertices[lane];
+            match gather(&mut paths[lane], vertex, is_reached) {
                 Some(direction) => {
-                    let Vertex { position, origin_prim, .. } = vertex;
-                    self.exactly[lane] = true;
-                    let carried = self.carried[lane];
-                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
+                    let Vertex { position, origin_prim, .. } = *vertex;
+                    exactly[lane] = true;
+                    let carried = carried[lane];
+                    starts.push((lane, Start { position, direction, origin_prim, carried }));
                     counters.rays += 1;
                 }
-                None => self.events.finished.push(lane),
+                None => finished.push(lane),
             }
-            self.paths.set(lane, path);
-            self.vertices.set(lane, vertex);
         }
     }
 
     /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
     fn shade(&mut self, job: &Job, samples: &mut Samples, counters: &mut Counters) {
-        let Self { paths, draws, .. } = self;
-        draws.vertices(job, self.events.landed.iter().map(|&(lane, _)| paths.get(lane)));
-        for (place, (lane, landing)) in self.events.landed.drain(..).enumerate() {
-            let mut path = self.paths.get(lane);
-            let mut vertex = Vertex::default();
-            if job.illumination.is_some() {
-                vertex = self.vertices.get(lane);
-            }
-            match shade(job, &mut path, &mut vertex, &landing, &self.draws.vertex(place), samples) {
+        let Self { paths, vertices, carried, arrived, exactly, draws, events, .. } = self;
+        let Events { landed, starts, finished, .. } = events;
+        draws.vertices(job, landed.iter().map(|&(lane, _)| &paths[lane]));
+        let mut free = Vertex::default();
+        for (place, (lane, landing)) in landed.drain(..).enumerate() {
+            let vertex = vertices.get_mut(lane).unwrap_or(&mut free);
+            match shade(job, &mut paths[lane], vertex, &landing, &draws.vertex(place), samples) {
                 Some(direction) => {
                     let Landing { position, primitive: origin_prim, .. } = landing;
-                    self.exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(&vertex);
-                    let carried = self.arrived[lane];
-                    self.carried[lane] = carried;
-                    self.events.starts.push((lane, Start { position, direction, origin_prim, carried }));
+                    exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(vertex);
+                    carried[lane] = arrived[lane];
+                    let carried = carried[lane];
+                    starts.push((lane, Start { position, direction, origin_prim, carried }));
                     counters.count_ray(vertex.light_ray_in_flight);
                 }
-                None => self.events.finished.push(lane),
-            }
-            self.paths.set(lane, path);
-            if job.illumination.is_some() {
-                self.vertices.set(lane, vertex);
+                None => finished.push(lane),
             }
         }
     }
 
-    /// Hands in finished paths and closes their lanes up, from the back so that no finished lane is moved.
+    /// Hands in finished paths.
     fn film(&mut self, samples: &mut Samples) {
-        self.events.finished.sort_unstable();
-        while let Some(lane) = self.events.finished.pop() {
-            let Path { slot, radiance, .. } = self.paths.get(lane);
+        for &lane in &self.events.finished {
+            let Path { slot, radiance, .. } = self.paths[lane];
             samples.radiance[slot as usize] = radiance;
-            self.live -= 1;
-            self.paths.set(lane, self.paths.get(self.live));
-            self.flights.set(lane, self.flights.get(self.live));
-            self.carried[lane] = self.carried[self.live];
-            self.exactly[lane] = self.exactly[self.live];
-            if !self.vertices.is_empty() {
-                self.vertices.set(lane, self.vertices.get(self.live));
-            }
         }
     }
 }

@@ -51,14 +51,14 @@ pub struct Draws {
 
 impl Draws {
     /// Draws for the camera rays of `paths`.
-    pub fn cameras(&mut self, job: &Job, paths: impl Iterator<Item = Path>) {
-        let keys = paths.map(|path| Draw::Ray.key(&path, 0));
+    pub fn cameras<'a>(&mut self, job: &Job, paths: impl Iterator<Item = &'a Path>) {
+        let keys = paths.map(|path| Draw::Ray.key(path, 0));
         draw(job, keys, &mut self.keys, &mut self.ray);
     }
 
     /// Draws for where `paths` have landed.
-    pub fn vertices(&mut self, job: &Job, paths: impl Iterator<Item = Path> + Clone) {
-        let keys = |draw: Draw| paths.clone().map(move |path| draw.key(&path, path.depth));
+    pub fn vertices<'a>(&mut self, job: &Job, paths: impl Iterator<Item = &'a Path> + Clone) {
+        let keys = |draw: Draw| paths.clone().map(move |path| draw.key(path, path.depth));
         draw(job, keys(Draw::Ray), &mut self.keys, &mut self.ray);
         if job.illumination.is_some() {
             draw(job, keys(Draw::Light), &mut self.keys, &mut self.light);
