@@ -191,7 +191,7 @@ mod tests {
             }
             assert!(met > 4000, "{met} met at scale {scale}");
             let is_usual = (1e-6..1e7).contains(&scale);
-            assert!(!is_usual || open < 200, "{open} of {met} open at scale {scale}");
+            assert!(!is_usual || open < met / 10, "{open} of {met} open at scale {scale}");
         }
     }
 
