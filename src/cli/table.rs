@@ -128,9 +128,10 @@ impl TableHeader {
 
     /// The number in the column `name` at `place`.
     pub(super) fn number(&self, row: &ByteRecord, name: &str, place: usize) -> Result<f64, Failure> {
-        let text = String::from_utf8_lossy(row.get(place).unwrap_or_default());
-        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        number.ok_or_else(|| {
+        let bytes = row.get(place).unwrap_or_default();
+        let number = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok());
+        number.filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+            let text = String::from_utf8_lossy(bytes);
             let cause =
                 if text.is_empty() { "no number".to_owned() } else { format!("`{text}` is not a number") };
             self.at(line(row), &format!("column `{name}`"), &cause)

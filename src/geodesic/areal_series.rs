@@ -95,7 +95,7 @@ struct Sweep<R> {
 
 /// Sine of an angle over it, and cosine, of at most 0.85 either way, radians.
 #[inline(always)]
-fn small_sinc_cos<R: Real>(x: R) -> (R, R) {
+pub(super) fn small_sinc_cos<R: Real>(x: R) -> (R, R) {
     let x2 = x * x;
     let term = |sum: R, per: f64| R::of(1.0) - x2 * R::of(1.0 / per) * sum;
     let one = R::of(1.0);
@@ -391,6 +391,11 @@ impl<const P: usize> OrbitStepper for ArealSeries<P> {
     fn part<M: ConformallyFlat, R: Real>(&self, _: &M, b: R, start: Phase<R>, h: R) -> Step<R> {
         let expansion = self.expand(b, start);
         expansion.step(self, &expansion.across(h))
+    }
+
+    fn parts<M: ConformallyFlat, R: Real>(&self, _: &M, b: R, start: Phase<R>) -> impl Fn(R) -> Step<R> {
+        let expansion = self.expand(b, start);
+        move |h| expansion.step(self, &expansion.across(h))
     }
 
     #[inline(always)]

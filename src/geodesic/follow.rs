@@ -138,6 +138,7 @@ fn land<M: ConformallyFlat, R: Real>(
     let end_sign = at(step).0 > R::of(0.0);
     let (mut low, mut high) = (R::of(0.0), step.h);
     let mut piece = *step;
+    let parts = stepper.parts(medium, step.b, step.start);
     for _ in 0..60 {
         let (miss, slope) = at(&piece);
         if (miss > R::of(0.0)) == end_sign {
@@ -147,10 +148,10 @@ fn land<M: ConformallyFlat, R: Real>(
         }
         let newton = piece.h - miss / slope;
         let inside = newton > low && newton < high;
-        let h = if inside { newton } else { R::of(0.5) * (low + high) };
-        let moved = (h - piece.h).abs().value();
-        piece = stepper.part(medium, step.b, step.start, h);
-        if moved <= 2.0 * R::EPSILON * step.h.value() {
+        let is_near = (newton - piece.h).abs() <= R::of(R::EPSILON.sqrt()) * newton;
+        piece = parts(if inside || is_near { newton } else { R::of(0.5) * (low + high) });
+        // From so near, Newton's method leaves rounding.
+        if is_near {
             break;
         }
     }
@@ -163,7 +164,7 @@ mod tests {
 
     use super::*;
     use crate::geodesic::{Dop853, Launch, OrbitStepper, Rkn6};
-    use crate::spacetime::Interstellar;
+    use crate::spacetime::{Chart, Interstellar, Schwarzschild};
 
     /// Least distance of a mouth from both ends of a step that passes it, in units of its inverse radius, over all steps of a
     /// ray; and how many steps pass.
@@ -195,6 +196,25 @@ mod tests {
                     let allowed = 0.01 * tolerance.sqrt();
                     assert!(passing == 2 && worst < allowed, "{b} at {tolerance:e}: {worst:e}, {passing}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_pass_all_geometry_by_turn_outside_it_and_others_within() {
+        let medium = Schwarzschild::new(1.0);
+        for farthest in [0.0, 5.0, 20.0] {
+            let chart = Chart::new(&medium, 0.0, farthest);
+            for b in (1..200).map(|i| 0.15 * f64::from(i)) {
+                let x = 50.0 * DVec3::X;
+                let sine = b / (50.0 * medium.index(1.0 / 50.0));
+                let launch =
+                    Launch::new(&medium, x, DVec3::new(-(1.0 - sine * sine).sqrt(), sine, 0.0), f64::EPSILON);
+                let control = Control::<f64>::new(&medium, 1e-10, f64::INFINITY);
+                let start = Phase::new(&medium, launch.w, launch.v);
+                let journey = follow(&medium, &Dop853, &control, (launch.b, start, launch.fate), 0.0, |_| {});
+                let passes = journey.periastron.is_some_and(|w| w < chart.outer);
+                assert_eq!(chart.is_passed_by(launch.b, launch.w), passes, "{farthest} {b}: {journey:?}");
             }
         }
     }

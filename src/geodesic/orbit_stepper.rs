@@ -21,6 +21,11 @@ pub trait OrbitStepper: Copy + Send + Sync {
         self.step(medium, b, start, h)
     }
 
+    /// Function that gives many parts of steps from a phase: not for kernels, whose code must be inlined.
+    fn parts<M: ConformallyFlat, R: Real>(&self, medium: &M, b: R, start: Phase<R>) -> impl Fn(R) -> Step<R> {
+        move |h| self.part(medium, b, start, h)
+    }
+
     /// Judges a step whose arc is off by `arc_error`, after one whose relative error was `previous`.
     fn judge<R: Real>(
         &self,

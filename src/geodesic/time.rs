@@ -65,10 +65,11 @@ pub fn elapsed<M: ConformallyFlat, R: Real>(medium: &M, stepper: &impl OrbitStep
         let angle = libm::atan(b * h);
         let small = angle < SMALL_ANGLE;
         let along = if small { h } else { angle / b };
+        let parts = stepper.parts(medium, b, start);
         along
             * mean_between(medium, end.w / start.w, |share| {
                 let h = if small { share * h } else { libm::tan(share * angle) / b };
-                rate(stepper.part(medium, b, start, h).end)
+                rate(parts(h).end)
             })
     };
     if near_horizon {

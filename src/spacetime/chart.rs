@@ -33,8 +33,13 @@ pub struct Chart {
     pub outer: f64,
     /// Inverse of the radius within which there is nothing to be met, or at which a ray has reached the horizon.
     pub inner: f64,
+    /// Impact parameter above which rays from beyond that radius never come within it; infinite if none is known.
+    pub widest: f64,
 }
 
+/// Relative distance from the impact parameter of a ray that grazes the geometry's sphere, above which another passes it:
+/// more than rounding, of f32 as well.
+const PASSING_MARGIN: f64 = 1e-5;
 /// Distance from the horizon down to which a ray is followed if there is anything that near, relative to the horizon's
 /// radius.
 const HORIZON_MARGIN: f64 = 1e-6;
@@ -44,13 +49,16 @@ impl Chart {
     /// rays are to be followed to.
     pub fn new<M: ConformallyFlat>(medium: &M, nearest: f64, farthest: f64) -> Self {
         let innermost = Self::innermost(medium);
-        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: 1.0 / nearest.max(innermost) }
+        Self { inner: 1.0 / nearest.max(innermost), ..Self::to_throat(medium, farthest) }
     }
 
     /// The chart of one side of a wormhole, for geometry whose points have isotropic radii up to `farthest`: what falls
     /// is followed to the throat.
     pub fn to_throat<M: ConformallyFlat>(medium: &M, farthest: f64) -> Self {
-        Self { outer: 1.0 / farthest.max(medium.photon_sphere()), inner: f64::INFINITY }
+        let farthest = farthest.max(medium.photon_sphere());
+        let outer = 1.0 / farthest;
+        let widest = farthest * medium.index(outer) * (1.0 + PASSING_MARGIN);
+        Self { outer, inner: f64::INFINITY, widest }
     }
 
     /// Isotropic radius at which a ray has reached the horizon: nothing within is ever met. A horizon may be at 0, where
@@ -67,5 +75,11 @@ impl Chart {
             Fate::Escapes => v < 0.0 && w <= self.outer,
             Fate::Falls => v > 0.0 && w >= self.inner,
         }
+    }
+
+    /// True if a ray of impact parameter `b` at the inverse radius `w` passes all geometry by.
+    #[inline(always)]
+    pub fn is_passed_by(&self, b: f64, w: f64) -> bool {
+        (b > self.widest) & (w <= self.outer)
     }
 }

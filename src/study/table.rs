@@ -10,7 +10,7 @@ pub const NONE: &str = "–";
 
 /// The cell of a number, which reads back exactly.
 pub fn number_cell(number: f64) -> String {
-    format!("{number:?}")
+    zmij::Buffer::new().format(number).to_owned()
 }
 
 /// A row: the name of each column and the cell in it.

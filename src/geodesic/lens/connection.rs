@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::map::{Lens, Site};
-use super::track::{Straight, Track, oriented, straight};
+use super::track::{StraightLine, Track, oriented, straight};
 use crate::math::frame;
 
 /// A ray from one place, x, to another, y.
@@ -84,7 +84,7 @@ impl Lens {
         let gamma = self.guess(near, far, angle, sin / (1.0 + x.radial.dot(y.radial)));
         let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
         let [cos, sin] = if is_weak {
-            let Straight { leaving: [cos, sin], arriving, .. } = straight(near, far, gamma);
+            let StraightLine { leaving: [cos, sin], arriving, .. } = straight(near, far, gamma);
             if reversed { [-cos, sin] } else { arriving }
         } else {
             let sin = (self.critical * y.q).min(1.0);

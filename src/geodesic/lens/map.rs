@@ -99,7 +99,7 @@ impl Lens {
             let s = (1.0 - share).sqrt();
             h(s) / s
         };
-        let bending = WeakBending::fit(0.1 * tolerance, stretch);
+        let bending = WeakBending::fit(critical, 0.1 * tolerance, stretch);
         // Both intervals are half as long as 1: the middle, and as many halves as the ellipse of convergence is long.
         let reach = [&inside, &outside].map(|fit| 0.5 + 0.5 * fit.reach(0.1 * tolerance));
         Some(Self {
@@ -118,6 +118,11 @@ impl Lens {
             digits: -0.5 * libm::log(tolerance),
             enough: tolerance,
         })
+    }
+
+    /// Rays that keep away from the photon sphere; `None` if a short polynomial is not good enough.
+    pub fn weak_bending(&self) -> Option<&WeakBending> {
+        self.bending.as_ref()
     }
 
     /// The place `x`, relative to the centre, not 0 and outside the horizon.

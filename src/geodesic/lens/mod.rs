@@ -46,3 +46,4 @@ mod weak;
 
 pub use connection::Connection;
 pub use map::{Lens, Site};
+pub use weak::WeakBending;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::map::{Lens, Site};
-use super::track::{Straight, Track, oriented, straight};
+use super::track::{StraightLine, Track, oriented, straight};
 use crate::math::kernel::widest;
 
 /// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
@@ -153,7 +153,7 @@ impl Family for SameSideRays<'_> {
 
     #[inline(always)]
     fn at_root(&self, gamma: f64, slope: f64) -> Option<Track> {
-        let Straight { b, leaving, arriving, distance, .. } = straight(self.near, self.far, gamma);
+        let StraightLine { b, leaving, arriving, distance, .. } = straight(self.near, self.far, gamma);
         let side = self.near.s.signum();
         let [start, end] = [leaving, arriving].map(|[cos, sin]| [side * cos, sin]);
         Some(Track { swept: self.swept, b, start, end, rate: slope * distance, distance })

@@ -3,7 +3,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::Lens;
-use crate::spacetime::{ConformallyFlat, Schwarzschild};
+use crate::geodesic::{Control, Dop853, Launch, OrbitEnd, Phase, follow};
+use crate::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
 fn lens() -> (Schwarzschild, Lens) {
     let hole = Schwarzschild::new(1.0);
@@ -56,4 +57,31 @@ fn one_place_is_joined_to_itself_only_around_the_hole() {
     assert_eq!(lens.connect(&x, &x, 0), None);
     let ring = lens.connect(&x, &x, 1).unwrap();
     assert_eq!((ring.swept, ring.geometry_factor), (2.0 * PI, f64::INFINITY));
+}
+
+#[test]
+fn the_way_to_infinity_in_closed_form_is_the_one_in_steps() {
+    let hole = Schwarzschild::new(1.0);
+    let lens = Lens::new(&hole, 1e-6).unwrap();
+    let control = Control::<f64>::new(&hole, 1e-11, f64::INFINITY);
+    let mut known = [0; 2];
+    for (distance, angle) in (0..30).flat_map(|i| (1..60).map(move |j| (1.3f64.powi(i), 0.05 * f64::from(j))))
+    {
+        let launch = Launch::new(&hole, distance * DVec3::X, at(angle), f64::EPSILON);
+        let start = Phase::new(&hole, launch.w, launch.v);
+        let n = start.index(launch.b);
+        let place = [-launch.v / n, launch.b * launch.w / n];
+        let ([cos, sin], is_known) = lens.weak_bending().unwrap().to_infinity(launch.b, launch.w / n, place);
+        if !is_known || launch.fate == Fate::Falls {
+            continue;
+        }
+        let journey = follow(&hole, &Dop853, &control, (launch.b, start, launch.fate), 0.0, |_| {});
+        let OrbitEnd::Crosses(_, swept) = journey.end else { panic!("{distance} {angle}: {journey:?}") };
+        let off = at(swept).distance(DVec3::new(cos, sin, 0.0));
+        assert!(off < 1e-7, "from {distance} at {angle}: {off:e}");
+        known[usize::from(angle > 0.5 * PI)] += 1;
+    }
+    // On the way out, and on the way in first.
+    assert!(known[0] > 300 && known[1] > 300, "{known:?}");
+    assert!(Lens::new(&hole, 1e-12).unwrap().weak_bending().is_none());
 }

@@ -28,7 +28,7 @@ impl Lens {
     #[inline(always)]
     pub(super) fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
         let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
-        let Straight { b, leaving, arriving, distance: d, sin, cos } = straight(near, far, gamma);
+        let StraightLine { b, leaving, arriving, distance: d, sin, cos } = straight(near, far, gamma);
         let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
         let m = self.critical / b;
         // d/dγ of the angle at the far end.
@@ -128,7 +128,7 @@ impl Lens {
 
 /// A straight line between two places.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Straight {
+pub(super) struct StraightLine {
     /// Impact parameter.
     pub(super) b: f64,
     /// Cosine and sine of the angle to the radius at the start.
@@ -145,13 +145,13 @@ pub(super) struct Straight {
 
 /// The straight line between two places that are seen under the angle `gamma`.
 #[inline(always)]
-pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> Straight {
+pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> StraightLine {
     let (half_sin, half_cos) = libm::sincos(0.5 * gamma);
     let (sin, versine) = (2.0 * half_sin * half_cos, 2.0 * half_sin * half_sin);
     let cos = 1.0 - versine;
     let distance = ((near.q - far.q).powi(2) + 2.0 * near.q * far.q * versine).sqrt();
     let per_distance = 1.0 / distance;
-    Straight {
+    StraightLine {
         b: sin * per_distance,
         leaving: [(near.q * cos - far.q) * per_distance, near.q * sin * per_distance],
         arriving: [(near.q - far.q * cos) * per_distance, far.q * sin * per_distance],

@@ -13,12 +13,17 @@
 //! φ = ∫ κ du/√(m² − u²),   u = b_c/B.
 //! ```
 
+use std::f64::consts::PI;
+
 use super::rules::{LANES, Lanes};
+use crate::geodesic::areal_series::small_sinc_cos;
 use crate::math::chebyshev::Chebyshev;
 
 /// κ outside of a sphere around the photon sphere.
 #[derive(Clone, Debug)]
-pub(super) struct WeakBending {
+pub struct WeakBending {
+    /// b_c.
+    critical: f64,
     /// c_k, from k = 1 on.
     terms: [f64; TERMS],
 }
@@ -45,12 +50,12 @@ const SHORTEST: f64 = 1e-8;
 
 impl WeakBending {
     /// Fits `stretch`, κ as a function of b_c/B, to a relative `tolerance`; `None` if that takes more terms.
-    pub(super) fn fit(tolerance: f64, stretch: impl Fn(f64) -> f64) -> Option<Self> {
+    pub(super) fn fit(critical: f64, tolerance: f64, stretch: impl Fn(f64) -> f64) -> Option<Self> {
         let whole = Chebyshev::fit(2 * TERMS, (0.0, REACH), |share| (stretch(share) - 1.0) / share);
         let powers = whole.trimmed(tolerance).powers();
         let mut terms = [0.0; TERMS];
         terms.get_mut(..powers.len())?.copy_from_slice(&powers);
-        Some(Self { terms })
+        Some(Self { critical, terms })
     }
 
     /// True if no place nearer than one of b_c/B = `share` is too near.
@@ -135,5 +140,81 @@ impl WeakBending {
             }
         }
         (half * sums[0], -m * half * sums[1])
+    }
+
+    /// Cosine and sine of the angle that a ray of impact parameter `b` sweeps on its way to infinity, from a place with
+    /// this 1/B and with this cosine and sine of the angle between ray and radius; and true if they are known: if the ray
+    /// is nowhere too near, and would turn.
+    #[inline(always)]
+    pub fn to_infinity(&self, b: f64, q: f64, [cos, sin]: [f64; 2]) -> ([f64; 2], bool) {
+        let (share, m) = (self.critical * q, self.critical / b);
+        let is_known = (m <= 1.0) & (if cos < 0.0 { m } else { share } <= REACH);
+        let (leaving, m2, angle) = (m * cos, m * m, angle(cos, sin));
+        let mut power = 1.0;
+        // k m^k J_k of the last k, and of the one before.
+        let (mut last, mut before) = (0.0, 0.0);
+        let mut half = 0.0;
+        let mut add = |i: usize| {
+            let k = (i + 1) as f64;
+            let integral = match i {
+                0 => m - leaving,
+                1 => angle * m2 - leaving * power,
+                _ => before * (m2 * ((k - 1.0) / (k - 2.0))) - leaving * power,
+            };
+            (before, last) = (last, integral);
+            half += self.terms[i] * (0.5 / k) * integral;
+            power *= share;
+        };
+        // Written out: only straight-line code runs lane beside lane.
+        add(0);
+        add(1);
+        add(2);
+        add(3);
+        add(4);
+        add(5);
+        add(6);
+        add(7);
+        add(8);
+        add(9);
+        add(10);
+        add(11);
+        add(12);
+        add(13);
+        add(14);
+        add(15);
+        let (sinc, c) = small_sinc_cos(half);
+        let s = half * sinc;
+        let (sin_bend, versine) = (2.0 * s * c, 2.0 * s * s);
+        let turned = |along: f64, across: f64| along - along * versine + across * sin_bend;
+        ([turned(cos, -sin), turned(sin, cos)], is_known)
+    }
+}
+
+/// The angle with this cosine and sine, not negative, to 1e-10.
+#[inline(always)]
+fn angle(cos: f64, sin: f64) -> f64 {
+    // Tangents of a half and of a quarter of it, or of what it lacks to a half turn.
+    let half = sin / (1.0 + cos.abs());
+    let quarter = half / (1.0 + (1.0 + half * half).sqrt());
+    let square = quarter * quarter;
+    let mut sum = 1.0 / 25.0;
+    for k in (0..12).rev() {
+        sum = 1.0 / f64::from(2 * k + 1) - square * sum;
+    }
+    let angle = 4.0 * quarter * sum;
+    if cos < 0.0 { PI - angle } else { angle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_arc_tangent() {
+        for i in 0..=1000 {
+            let exact = 1e-3 * PI * f64::from(i);
+            let found = angle(libm::cos(exact), libm::sin(exact));
+            assert!((found - exact).abs() < 1e-10, "{exact}: {found}");
+        }
     }
 }

@@ -58,7 +58,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Committing<'_, M, R, W> {
     fn status(&self, flight: &CurvedFlight<R>, taken: bool, phase: &Phase<R>, next_h: R) -> FlightStatus {
         // The next step must be finite and not vanish; a state lost for good is reported.
         let moves = next_h.value() > f64::from(f32::MIN_POSITIVE);
-        let is_left = taken & self.0.chart.is_left(flight.fate, phase.w.value(), phase.v.value());
+        let (chart, w, v) = (&self.0.chart, phase.w.value(), phase.v.value());
+        let is_left = taken & (chart.is_left(flight.fate, w, v) | chart.is_passed_by(flight.b.value(), w));
         let gone = if flight.fate == Fate::Escapes { FlightStatus::Leaves } else { FlightStatus::Falls };
         let status = if is_left { gone } else { FlightStatus::Flies };
         let status = if taken | moves { status } else { FlightStatus::NonFinite };

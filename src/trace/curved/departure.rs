@@ -1,13 +1,17 @@
-//! Rays on their way to infinity, where nothing is in it: around a hole by series, whatever the stepper of the march, as
-//! infinity is an ordinary root of them.
+//! Rays on their way to infinity, where nothing is in it, whatever the stepper of the march: in closed form where they
+//! keep away from the photon sphere, else by series, of which infinity is an ordinary root.
+
+use std::marker::PhantomData;
 
 use super::flight::{CurvedFlight, Lane};
-use crate::geodesic::{ArealSeries, Control, OrbitStepper, Phase, UsePowers, with_powers};
+use crate::geodesic::{ArealSeries, Control, Lens, OrbitStepper, Phase, UsePowers, WeakBending, with_powers};
 use crate::math::columns::{LANES, Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, update};
 use crate::spacetime::{ConformallyFlat, ReissnerNordstrom, StaticHole};
 use crate::trace::flight_status::FlightStatus;
 
+/// Tolerance of what is known in closed form, in that of rays.
+const BENDING: f64 = 0.1;
 /// Most steps to infinity, before a ray is followed there by itself.
 const MOST_STEPS: usize = 64;
 
@@ -58,7 +62,8 @@ pub trait WayOut<R: Lane>: Send + Sync {
 pub fn way_out<M: ConformallyFlat, R: Lane>(medium: &M, tolerance: f64) -> Option<Box<dyn WayOut<R>>> {
     let hole = medium.as_hole()?;
     let control = Control::new(&ReissnerNordstrom::of(hole), tolerance, f64::INFINITY);
-    Some(with_powers(tolerance, AroundHole { hole, control, tolerance }))
+    let bending = Lens::new(medium, BENDING * tolerance).and_then(|lens| lens.weak_bending().cloned());
+    Some(with_powers(tolerance, AroundHole { hole, control, tolerance, bending }))
 }
 
 /// What series are made from.
@@ -66,6 +71,7 @@ struct AroundHole<R> {
     hole: StaticHole,
     control: Control<R>,
     tolerance: f64,
+    bending: Option<WeakBending>,
 }
 
 impl<R: Lane> UsePowers for AroundHole<R> {
@@ -73,7 +79,8 @@ impl<R: Lane> UsePowers for AroundHole<R> {
 
     fn with<const P: usize>(self) -> Box<dyn WayOut<R>> {
         let series = ArealSeries::<P>::new(&self.hole, self.tolerance);
-        Box::new(Departing { series, control: series.control(&self.control) })
+        let departing = Departing { series, control: series.control(&self.control) };
+        Box::new(AtOnceOrStepwise { bending: self.bending, departing })
     }
 }
 
@@ -93,7 +100,7 @@ impl<const P: usize, R: Lane> Kernel for Departing<P, R> {
         let (step, arrives) = self.series.outwards(ray.b, ray.phase());
         let accepted = self.series.judge(&self.control, &step, R::of(0.0), R::of(1.0)).accepted;
         let zero = R::of(0.0);
-        let flies = accepted & (step.end.w > zero) & (step.end.v < zero);
+        let flies = accepted & (step.end.w > zero);
         let status = if flies { FlightStatus::Flies } else { FlightStatus::NonFinite };
         let status = if arrives { FlightStatus::Leaves } else { status };
         let moves = ray.status == FlightStatus::Flies;
@@ -112,24 +119,55 @@ impl<const P: usize, R: Lane> Kernel for Departing<P, R> {
     }
 }
 
-impl<const P: usize, R: Lane> WayOut<R> for Departing<P, R> {
+/// The way to infinity in closed form.
+struct Bending<'a, R>(&'a WeakBending, PhantomData<R>);
+
+impl<R: Lane> Kernel for Bending<'_, R> {
+    type A = Departure<R>;
+    type B = ();
+    type Out = Departure<R>;
+
+    #[inline(always)]
+    fn run(&self, ray: &Departure<R>, (): &()) -> Departure<R> {
+        let (b, w, v) = (ray.b.value(), ray.w.value(), ray.v.value());
+        let across = b * w;
+        let per_index = 1.0 / (v * v + across * across).sqrt();
+        let ([cos, sin], is_known) =
+            self.0.to_infinity(b, w * per_index, [-v * per_index, across * per_index]);
+        if is_known { Departure { sin, cos, status: FlightStatus::Leaves, ..*ray } } else { *ray }
+    }
+}
+
+/// The way to infinity: in closed form if that is good enough, else in steps.
+struct AtOnceOrStepwise<const P: usize, R> {
+    bending: Option<WeakBending>,
+    departing: Departing<P, R>,
+}
+
+impl<const P: usize, R: Lane> WayOut<R> for AtOnceOrStepwise<P, R> {
     fn depart_all(&self, departures: &mut [<Departure<R> as Row>::Block]) {
+        if let Some(bending) = &self.bending {
+            update(&Bending(bending, PhantomData), departures, NOTHING);
+        }
         for block in departures.chunks_mut(1) {
             for _ in 0..MOST_STEPS {
-                update(self, block, NOTHING);
                 if (0..LANES).all(|i| Departure::get(&block[0], i).status != FlightStatus::Flies) {
                     break;
                 }
+                update(&self.departing, block, NOTHING);
             }
         }
     }
 
     fn depart(&self, mut departure: Departure<R>) -> Departure<R> {
+        if let Some(bending) = &self.bending {
+            departure = Bending(bending, PhantomData).run(&departure, &());
+        }
         for _ in 0..MOST_STEPS {
-            departure = self.run(&departure, &());
             if departure.status != FlightStatus::Flies {
                 break;
             }
+            departure = self.departing.run(&departure, &());
         }
         departure
     }

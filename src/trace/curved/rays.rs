@@ -34,8 +34,10 @@ pub struct Curved<M, R, W> {
 
 /// Inverse radius down to which a step may end outside the geometry, as a part of that which bounds it.
 const OUTSIDE: f64 = 0.5;
-/// Inverse radius at which a step from far outside ends, as a part of the same: so far out that the pull does not take
-/// it in.
+/// Inverse radius below which a ray is so far outside that one step to the geometry would be too long for the rounding
+/// of a search, as a part of the same.
+const AFAR: f64 = 0.1;
+/// Inverse radius at which its next step ends, as a part of the same.
 const EDGE: f64 = 0.7;
 
 impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
@@ -58,8 +60,8 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
         step.accepted & !keeps_outside(R::of(self.chart.outer), &flight.phase(), &end)
     }
 
-    /// A length of at most `h` for the next step: far outside the geometry, rays go to its edge in one step, and on
-    /// their way out they do not go far beyond.
+    /// A length of at most `h` for the next step: from afar, rays go to the geometry's edge in one step, and on their way
+    /// out they do not go far beyond it.
     #[inline(always)]
     pub fn within(&self, h: R, b: R, phase: &Phase<R>) -> R {
         let h = self.control.within(h, b, phase);
@@ -69,7 +71,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
         if v < R::of(0.0) {
             let end = if w > outer { outside * outer } else { outside * w };
             h.at_most((end - w) / v)
-        } else if w < outside * edge {
+        } else if w < R::of(AFAR) * outer {
             h.at_most((edge - w) / v)
         } else {
             h

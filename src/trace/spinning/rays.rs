@@ -41,7 +41,11 @@ impl Spinning {
         let a = place.hole.a;
         let nearest = (nearest * nearest - a * a).max(0.0).sqrt();
         let farthest = farthest.max(hole.outermost_photon_orbit()) / place.mass;
-        let chart = Chart { outer: 1.0 / farthest, inner: place.hole.horizon.min(1.0 / nearest) };
+        let chart = Chart {
+            outer: 1.0 / farthest,
+            inner: place.hole.horizon.min(1.0 / nearest),
+            widest: f64::INFINITY,
+        };
         let tolerance = scene.settings.tolerance;
         let arc_tolerance = scene.arc_tolerance_around(placement.center);
         let marching = SpinningMarch { place, chart, tolerance, arc_tolerance: arc_tolerance / place.mass };
