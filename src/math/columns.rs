@@ -111,6 +111,22 @@ pub trait Row: Copy + Default {
     fn set(block: &mut Self::Block, lane: usize, row: Self);
 }
 
+/// Two rows as one.
+impl<A: Row, B: Row> Row for (A, B) {
+    type Block = (A::Block, B::Block);
+
+    #[inline(always)]
+    fn get((a, b): &Self::Block, lane: usize) -> Self {
+        (A::get(a, lane), B::get(b, lane))
+    }
+
+    #[inline(always)]
+    fn set((a, b): &mut Self::Block, lane: usize, row: Self) {
+        A::set(a, lane, row.0);
+        B::set(b, lane, row.1);
+    }
+}
+
 /// Nothing, for kernels that need no second input.
 impl Row for () {
     type Block = ();
@@ -169,6 +185,14 @@ impl<R: Row> Columns<R> {
     /// Grows or shrinks to hold `lanes` lanes.
     pub fn resize(&mut self, lanes: usize) {
         self.blocks.resize(lanes.div_ceil(LANES), R::Block::default());
+    }
+
+    /// Grows to hold at least `lanes` lanes.
+    #[inline(always)]
+    pub fn grow(&mut self, lanes: usize) {
+        if self.blocks.len() * LANES < lanes {
+            self.resize(lanes);
+        }
     }
 
     /// Takes `lanes` rows from elsewhere.

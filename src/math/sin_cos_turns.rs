@@ -32,12 +32,10 @@ const COS: [f64; 9] = [
 pub fn sin_cos(turns: f64) -> (f64, f64) {
     let quarter = (4.0 * turns + 0.5) as i32;
     let (sin, cos) = small((turns - 0.25 * f64::from(quarter)) * TAU);
-    match quarter & 3 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
+    // Without branches, which would be as good as random.
+    let (sin, cos) = if quarter & 1 == 0 { (sin, cos) } else { (cos, sin) };
+    let flip = |value: f64, if_set: i32| if if_set & 2 == 0 { value } else { -value };
+    (flip(sin, quarter), flip(cos, quarter + 1))
 }
 
 /// Sine and cosine of an angle of at most 0.85 either way, radians: straight-line code.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::bsdf::{Diffuse, Lobe};
+use super::media::InterfaceCrossing;
 
 /// A material: a lobe and what the surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,4 +52,12 @@ impl Material {
     pub fn albedo(&self) -> Vec3 {
         self.lobe.albedo()
     }
+}
+
+/// Index of refraction of what light goes into through faces of `materials`, relative to that of what it comes from.
+pub fn relative_index(materials: &[Material], crossing: &InterfaceCrossing) -> f64 {
+    let index = |medium: Option<u32>| {
+        medium.and_then(|medium| materials[medium as usize].lobe.ior()).map_or(1.0, f64::from)
+    };
+    index(crossing.into.current()) / index(crossing.from)
 }

@@ -6,14 +6,12 @@ mod incidence;
 mod material;
 mod media;
 mod sampler;
-mod scatter;
 mod sobol;
 
 pub(crate) use bsdf::sample_cosine;
-pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, fresnel};
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, SortedHits, fresnel};
 pub use environment::{Environment, LatLong};
-pub use incidence::{Bounce, Incidence};
-pub use material::Material;
+pub use incidence::{Bounce, Incidence, Response};
+pub use material::{Material, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
-pub use scatter::{evaluate, scatter};

@@ -1,6 +1,6 @@
 //! Light sampling as a scene asks for it: its lights, the aim at them, and the heuristic that shares found light.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
@@ -28,9 +28,9 @@ pub struct Illumination {
 
 /// End of a ray that found light.
 #[derive(Clone, Copy, Debug)]
-pub enum LightEnd<'a> {
-    /// A surface, with its unit normal.
-    Surface(&'a Landing, DVec3),
+pub enum LightEnd {
+    /// A surface.
+    Surface(EmitterHit),
     /// At infinity.
     AtInfinity(AtInfinity),
 }
@@ -151,11 +151,7 @@ impl Illumination {
         }
         let (lights, out) = (&self.lights, vertex.direction);
         let density = match end {
-            LightEnd::Surface(landing, normal) => {
-                let Landing { primitive, position, direction: arrival, .. } = *landing;
-                let hit = EmitterHit { primitive, position, normal, arrival };
-                self.sampler.surface_density(lights, &receiver, out, &hit)
-            }
+            LightEnd::Surface(hit) => self.sampler.surface_density(lights, &receiver, out, &hit),
             LightEnd::AtInfinity(there) => self.sampler.sky_density(lights, &receiver, out, there),
         };
         (1.0 - near.map_or(0.0, |near| near.share)) * density

@@ -42,7 +42,7 @@ fn media_after(scene: &Baked, side: Side, start: DVec3, end: DVec3) -> Option<Me
         position = line.point(hit.s);
         let landing = Landing::conformal(position, direction, hit.primitive);
         let meeting = meet(scene, &landing, media);
-        (origin_prim, media) = (meeting.primitive, meeting.incidence(direction, media).crossing.into);
+        (origin_prim, media) = (meeting.primitive, meeting.beyond);
     }
     None
 }

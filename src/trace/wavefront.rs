@@ -17,7 +17,7 @@ use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::record::{record_end, record_step};
-use super::stages::shade::{gather, shade};
+use super::stages::shade::{Shading, gather};
 use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
@@ -41,6 +41,7 @@ pub struct Wavefront<T: Transport> {
     /// True for rays whose exact landing matters.
     exactly: Vec<bool>,
     draws: Draws,
+    shading: Shading,
     search: Search<T::Segment>,
     scratch: T::Scratch,
     capacity: usize,
@@ -77,6 +78,7 @@ impl<T: Transport> Wavefront<T> {
             arrived: Vec::new(),
             exactly: Vec::new(),
             draws: Draws::default(),
+            shading: Shading::default(),
             search: Search::default(),
             scratch: T::Scratch::default(),
             capacity,
@@ -352,24 +354,22 @@ impl<T: Transport> Wavefront<T> {
 
     /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
     fn shade(&mut self, job: &Job, samples: &mut Samples, counters: &mut Counters) {
-        let Self { paths, vertices, carried, arrived, exactly, draws, events, .. } = self;
+        let Self { paths, vertices, carried, arrived, exactly, draws, shading, events, .. } = self;
         let Events { landed, starts, finished, .. } = events;
         draws.vertices(job, landed.iter().map(|&(lane, _)| &paths[lane]));
-        let mut free = Vertex::default();
-        for (place, (lane, landing)) in landed.drain(..).enumerate() {
-            let vertex = vertices.get_mut(lane).unwrap_or(&mut free);
-            match shade(job, &mut paths[lane], vertex, &landing, &draws.vertex(place), samples) {
-                Some(direction) => {
-                    let Landing { position, primitive: origin_prim, .. } = landing;
-                    exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(vertex);
-                    carried[lane] = arrived[lane];
-                    let carried = carried[lane];
-                    starts.push((lane, Start { position, direction, origin_prim, carried }));
-                    counters.count_ray(vertex.light_ray_in_flight);
-                }
-                None => finished.push(lane),
-            }
-        }
+        shading.shade_all(job, landed, (paths, vertices), draws, samples, |place, vertex, direction| {
+            let (lane, landing) = landed[place];
+            let Some(direction) = direction else {
+                finished.push(lane);
+                return;
+            };
+            let Landing { position, primitive: origin_prim, .. } = landing;
+            exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(vertex);
+            carried[lane] = arrived[lane];
+            starts.push((lane, Start { position, direction, origin_prim, carried: carried[lane] }));
+            counters.count_ray(vertex.light_ray_in_flight);
+        });
+        landed.clear();
     }
 
     /// Hands in finished paths.

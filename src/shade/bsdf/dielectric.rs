@@ -6,16 +6,18 @@ use glam::{DVec3, Vec3};
 
 use super::mirror::reflect_above;
 use super::model::Bsdf;
+use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence};
-use crate::shade::media::{InterfaceCrossing, Media};
 
-/// Smooth dielectric with exact unpolarised Fresnel reflectance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dielectric {
-    /// Index of refraction relative to vacuum.
-    pub ior: f32,
-    /// Factor on reflected and transmitted radiance.
-    pub tint: Vec3,
+columns! {
+    /// Smooth dielectric with exact unpolarised Fresnel reflectance.
+    #[derive(PartialEq)]
+    pub struct Dielectric => DielectricBlock {
+        /// Index of refraction relative to vacuum.
+        ior: f32,
+        /// Factor on reflected and transmitted radiance.
+        tint: Vec3,
+    }
 }
 
 impl Bsdf for Dielectric {
@@ -23,9 +25,9 @@ impl Bsdf for Dielectric {
     const IS_SPECULAR: bool = true;
 
     #[inline(always)]
-    fn sample(&self, incidence: &Incidence, eta: impl FnOnce() -> f64, u: [f32; 4]) -> Option<Bounce> {
-        let (direction, media) = pass(incidence, eta(), u[2].into());
-        Some(Bounce { direction, weight: self.tint, density: 0.0, media })
+    fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
+        let (direction, crosses) = pass(incidence, u[2].into());
+        Bounce { direction, weight: self.tint, density: 0.0, crosses }
     }
 
     fn albedo(&self) -> Vec3 {
@@ -37,26 +39,25 @@ impl Bsdf for Dielectric {
     }
 }
 
-/// Reflects with Fresnel's probability (`choice` below it), else refracts: the weight is 1 either way.
+/// Reflects with Fresnel's probability (`choice` below it), else refracts, which is told: the weight is 1 either way.
 ///
 /// Radiance is not scaled by η²: the factors of entering and leaving cancel along any path that ends outside, and
 /// emitters inside glass are to look as bright as they are set.
-fn pass(incidence: &Incidence, eta: f64, choice: f64) -> (DVec3, Media) {
-    let &Incidence { direction, media, crossing: InterfaceCrossing { into, .. }, .. } = incidence;
-    let (normal, shading) = incidence.facing();
-    for normal_used in [shading, normal] {
+fn pass(incidence: &Incidence, choice: f64) -> (DVec3, bool) {
+    let &Incidence { direction, normal, shading_normal, eta } = incidence;
+    for normal_used in [shading_normal, normal] {
         let cos_i = -direction.dot(normal_used);
         if cos_i <= 0.0 {
             continue;
         }
         let refracted = refract_if_chosen(direction, normal_used, eta, choice);
         match refracted {
-            Some(out) if out.dot(normal) < 0.0 => return (out, into),
-            None => return (reflect_above(direction, normal, normal_used), media),
+            Some(out) if out.dot(normal) < 0.0 => return (out, true),
+            None => return (reflect_above(direction, normal, normal_used), false),
             Some(_) => {}
         }
     }
-    (reflect_above(direction, normal, normal), media)
+    (reflect_above(direction, normal, normal), false)
 }
 
 fn refract_if_chosen(direction: DVec3, normal: DVec3, eta: f64, choice: f64) -> Option<DVec3> {

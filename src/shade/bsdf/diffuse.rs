@@ -3,16 +3,19 @@
 use glam::{DVec3, Vec3};
 
 use super::model::Bsdf;
+use crate::math::columns::columns;
 use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
 use crate::math::sin_cos_turns;
-use crate::shade::incidence::{Bounce, Incidence};
+use crate::shade::incidence::{Bounce, Incidence, Response};
 
-/// Lambertian reflection, both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Diffuse {
-    /// Reflected fraction of the irradiance, in [0, 1] per channel.
-    pub albedo: Vec3,
+columns! {
+    /// Lambertian reflection, both sides.
+    #[derive(PartialEq)]
+    pub struct Diffuse => DiffuseBlock {
+        /// Reflected fraction of the irradiance, in [0, 1] per channel.
+        albedo: Vec3,
+    }
 }
 
 impl Bsdf for Diffuse {
@@ -20,20 +23,19 @@ impl Bsdf for Diffuse {
     const IS_SPECULAR: bool = false;
 
     #[inline(always)]
-    fn sample(&self, incidence: &Incidence, _: impl FnOnce() -> f64, u: [f32; 4]) -> Option<Bounce> {
-        let (normal, shading) = incidence.facing();
-        let out = sample_cosine(shading, u[0].into(), u[1].into());
+    fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
+        let direction = sample_cosine(incidence.shading_normal, u[0].into(), u[1].into());
         // A shading normal can send light through the surface; such paths carry nothing.
-        let absorbed = self.albedo == Vec3::ZERO || out.dot(normal) <= 0.0;
-        let (density, media) = (cosine_density(shading, out), incidence.media);
-        (!absorbed).then_some(Bounce { direction: out, weight: self.albedo, density, media })
+        let passed = if direction.dot(incidence.normal) > 0.0 { 1.0 } else { 0.0 };
+        let density = cosine_density(incidence.shading_normal, direction);
+        Bounce { direction, weight: passed * self.albedo, density, crosses: false }
     }
 
     #[inline(always)]
-    fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Option<(Vec3, f64)> {
-        let (normal, shading) = incidence.facing();
-        let density = cosine_density(shading, out);
-        (density > 0.0 && out.dot(normal) > 0.0).then(|| (self.albedo * density as f32, density))
+    fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Response {
+        let density = cosine_density(incidence.shading_normal, out);
+        let density = if out.dot(incidence.normal) > 0.0 { density } else { 0.0 };
+        Response { bsdf: self.albedo * density as f32, density }
     }
 
     fn albedo(&self) -> Vec3 {
@@ -44,6 +46,7 @@ impl Bsdf for Diffuse {
 /// A direction around the unit vector `normal` with density cos θ/π, from two numbers in [0, 1).
 ///
 /// The throughput of a cosine-sampled Lambertian bounce is the albedo alone.
+#[inline(always)]
 pub fn sample_cosine(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let (tangent, bitangent) = tangents(normal);
     let [square, turns] = concentric(u, v);
@@ -52,6 +55,7 @@ pub fn sample_cosine(normal: DVec3, u: f64, v: f64) -> DVec3 {
 }
 
 /// Density of [`sample_cosine`] in solid angle.
+#[inline(always)]
 fn cosine_density(normal: DVec3, direction: DVec3) -> f64 {
     normal.dot(direction).max(0.0) / std::f64::consts::PI
 }

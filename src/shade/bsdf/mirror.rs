@@ -3,13 +3,16 @@
 use glam::{DVec3, Vec3};
 
 use super::model::Bsdf;
+use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence};
 
-/// Perfect specular reflection.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mirror {
-    /// Reflected fraction of the radiance, no Fresnel factor.
-    pub reflectance: Vec3,
+columns! {
+    /// Perfect specular reflection.
+    #[derive(PartialEq)]
+    pub struct Mirror => MirrorBlock {
+        /// Reflected fraction of the radiance, no Fresnel factor.
+        reflectance: Vec3,
+    }
 }
 
 impl Bsdf for Mirror {
@@ -17,10 +20,10 @@ impl Bsdf for Mirror {
     const IS_SPECULAR: bool = true;
 
     #[inline(always)]
-    fn sample(&self, incidence: &Incidence, _: impl FnOnce() -> f64, _: [f32; 4]) -> Option<Bounce> {
-        let (normal, shading) = incidence.facing();
-        let direction = reflect_above(incidence.direction, normal, shading);
-        Some(Bounce { direction, weight: self.reflectance, density: 0.0, media: incidence.media })
+    fn sample(&self, incidence: &Incidence, _: [f32; 4]) -> Bounce {
+        let &Incidence { direction, normal, shading_normal, .. } = incidence;
+        let direction = reflect_above(direction, normal, shading_normal);
+        Bounce { direction, weight: self.reflectance, density: 0.0, crosses: false }
     }
 
     fn albedo(&self) -> Vec3 {

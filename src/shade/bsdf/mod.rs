@@ -1,9 +1,11 @@
-//! Lobes: one file each and one line in [`lobes!`].
+//! Lobes: one file each and one line in [`lobes!`]. Hits are scattered one by one, or sorted by lobe and then side by
+//! side, to the same bits.
 
 mod dielectric;
 mod diffuse;
 mod mirror;
 mod model;
+mod sorted;
 
 use glam::{DVec3, Vec3};
 
@@ -11,11 +13,13 @@ pub use dielectric::{Dielectric, fresnel};
 pub use diffuse::{Diffuse, sample_cosine};
 pub use mirror::Mirror;
 pub use model::Bsdf;
+use sorted::HitsOn;
+pub use sorted::LobeQuery;
 
-use super::incidence::{Bounce, Incidence};
+use super::incidence::{Bounce, Incidence, Response};
 
 macro_rules! lobes {
-    ($($name:ident),* $(,)?) => {
+    ($($hits:ident: $name:ident),* $(,)?) => {
         /// Scattering lobe of a surface.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Lobe {
@@ -40,19 +44,14 @@ macro_rules! lobes {
             }
 
             /// Samples a continuation: [`Bsdf::sample`].
-            #[inline(always)]
-            pub fn sample(
-                &self,
-                incidence: &Incidence,
-                eta: impl FnOnce() -> f64,
-                u: [f32; 4],
-            ) -> Option<Bounce> {
-                match self { $(Self::$name(lobe) => lobe.sample(incidence, eta, u),)* }
+            #[inline]
+            pub fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
+                match self { $(Self::$name(lobe) => lobe.sample(incidence, u),)* }
             }
 
             /// BSDF × cosine and density towards a direction: [`Bsdf::evaluate`].
-            #[inline(always)]
-            pub fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Option<(Vec3, f64)> {
+            #[inline]
+            pub fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Response {
                 match self { $(Self::$name(lobe) => lobe.evaluate(incidence, out),)* }
             }
 
@@ -66,11 +65,38 @@ macro_rules! lobes {
                 match self { $(Self::$name(lobe) => lobe.ior(),)* }
             }
         }
+
+        /// Hits sorted by lobe, each lobe's to be scattered side by side.
+        #[derive(Default)]
+        pub struct SortedHits {
+            $($hits: HitsOn<$name>,)*
+            scattered: Vec<(Bounce, Response)>,
+        }
+
+        impl SortedHits {
+            /// Takes a hit on a lobe; hits are numbered as they come.
+            #[inline(always)]
+            pub fn push(&mut self, lobe: &Lobe, incidence: &Incidence, query: &LobeQuery) {
+                let number = self.scattered.len();
+                self.scattered.push(Default::default());
+                match lobe { $(Lobe::$name(lobe) => self.$hits.push(number, lobe, incidence, query),)* }
+            }
+
+            /// What [`Lobe::sample`] and [`Lobe::evaluate`] make of the hits, by number, and forgets these.
+            pub fn scatter(&mut self, mut each: impl FnMut(usize, &Bounce, &Response)) {
+                let Self { $($hits,)* scattered } = self;
+                $($hits.scatter(scattered);)*
+                for (number, (bounce, response)) in scattered.iter().enumerate() {
+                    each(number, bounce, response);
+                }
+                scattered.clear();
+            }
+        }
     };
 }
 
 lobes! {
-    Diffuse,
-    Mirror,
-    Dielectric,
+    diffuse: Diffuse,
+    mirror: Mirror,
+    dielectric: Dielectric,
 }

@@ -2,23 +2,23 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::shade::incidence::{Bounce, Incidence};
+use crate::math::columns::Row;
+use crate::shade::incidence::{Bounce, Incidence, Response};
 
-/// A scattering lobe.
-pub trait Bsdf {
+/// A scattering lobe: a row of parameters and two kernels, which run on one hit or on many side by side.
+pub trait Bsdf: Row + Send + Sync {
     /// Name in scene files and reports.
     const NAME: &'static str;
     /// True if light from one direction leaves in one or two: next-event estimation cannot choose them.
     const IS_SPECULAR: bool;
 
-    /// Samples a continuation with four numbers in [0, 1); `None` if the path is absorbed. `eta` is the relative index
-    /// of refraction across the surface.
-    fn sample(&self, incidence: &Incidence, eta: impl FnOnce() -> f64, u: [f32; 4]) -> Option<Bounce>;
+    /// Samples a continuation with four numbers in [0, 1).
+    fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce;
 
-    /// BSDF × cosine towards the unit direction `out`, and the density with which [`Self::sample`] chooses it; `None`
-    /// where no light goes.
-    fn evaluate(&self, _incidence: &Incidence, _out: DVec3) -> Option<(Vec3, f64)> {
-        None
+    /// BSDF × cosine towards the unit direction `out`, and the density with which [`Self::sample`] chooses it; zero
+    /// where no light goes, as everywhere but in a single direction of a mirror.
+    fn evaluate(&self, _incidence: &Incidence, _out: DVec3) -> Response {
+        Response::default()
     }
 
     /// Colour in the albedo plane: scattered fraction of the light.

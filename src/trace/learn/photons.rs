@@ -138,25 +138,26 @@ impl Shower<'_> {
 
     fn land<C>(&self, photon: Flying, landing: &Landing, carried: C) -> Event<C> {
         let Flying { index, hops, media, mut path } = photon;
-        let materials = &self.scene.materials;
         let meeting = meet(self.scene, landing, media);
-        let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, media));
-        path.add(surface.surface.entity);
-        if !materials[surface.surface.material as usize].is_specular() {
+        let (material, incidence) = (meeting.material(self.scene), meeting.incidence(landing.direction));
+        path.add(meeting.surface.surface.entity);
+        if !material.is_specular() {
             return Event::Stays(Photon {
                 side: landing.primitive.side(),
                 position: landing.position,
-                normal: incidence.facing().0,
+                normal: incidence.normal,
                 direction: -landing.direction,
                 way: (hops > 0).then_some(path.0),
             });
         }
-        let bounce = shade::scatter(materials, &incidence, self.numbers(index, 2 + hops));
-        let Some(bounce) = bounce.filter(|_| hops < MOST_HOPS) else { return Event::IsLost };
-        path.add(u32::from(bounce.direction.dot(incidence.facing().0) > 0.0));
+        if hops >= MOST_HOPS {
+            return Event::IsLost;
+        }
+        let bounce = material.lobe.sample(&incidence, self.numbers(index, 2 + hops));
+        path.add(u32::from(bounce.direction.dot(incidence.normal) > 0.0));
         let &Landing { position, primitive: origin_prim, .. } = landing;
         Event::Goes(
-            Flying { index, hops: hops + 1, media: bounce.media, path },
+            Flying { index, hops: hops + 1, media: meeting.media_after(&bounce, media), path },
             Start { position, direction: bounce.direction, origin_prim, carried },
         )
     }

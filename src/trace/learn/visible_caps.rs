@@ -15,7 +15,7 @@ use super::super::job::Job;
 use super::super::shoot::{Shot, follow};
 use super::super::stages::draw::Numbers;
 use super::super::stages::generate::generate;
-use super::super::stages::meet::{Meeting, meet};
+use super::super::stages::meet::meet;
 use super::super::stages::scatter::scatter;
 use super::super::transport::{Landing, Outcome, Start, Transport};
 use super::super::work::{Lattice, Share, Work};
@@ -73,13 +73,11 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let meeting = meet(scene, &landing, path.media);
-        let incidence = meeting.incidence(landing.direction, path.media);
-        let Meeting { primitive, surface, .. } = meeting;
-        if scene.materials[surface.surface.material as usize].emits() {
-            met.push((primitive, surface.normal));
+        if meeting.material(scene).emits() {
+            met.push((meeting.primitive, meeting.surface.normal));
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
-        let Some(bounce) = scatter(job, &mut path, &incidence, numbers) else { return met };
+        let Some(bounce) = scatter(job, &mut path, &meeting, landing.direction, numbers) else { return met };
         let Landing { position, primitive: origin_prim, .. } = landing;
         start = Start { position, direction: bounce.direction, origin_prim, carried };
     }

@@ -9,18 +9,22 @@ use super::super::transport::Landing;
 use super::super::vertex::Vertex;
 use super::deposit::{EmitterId, LightSource, deposit};
 use super::light::share;
-use crate::geometry::SurfacePoint;
+use super::meet::Meeting;
+use crate::light::EmitterHit;
 
 /// Adds what the surface emits towards a path that lands on it, less what light sampling finds.
 #[inline]
-pub fn emit(job: &Job, surface: &SurfacePoint, landing: &Landing, vertex: &Vertex, path: &mut Path) {
-    let material = &job.scene.materials[surface.surface.material as usize];
+pub fn emit(job: &Job, meeting: &Meeting, landing: &Landing, vertex: &Vertex, path: &mut Path) {
+    let (material, surface) = (meeting.material(job.scene), &meeting.surface);
     let front = landing.direction.dot(surface.normal) < 0.0;
     if material.emission != Vec3::ZERO && (front || material.emits_both_sides) {
-        let source = LightSource { emitter: EmitterId::Surface(landing.primitive), segments: path.depth };
+        let &Meeting { primitive, .. } = meeting;
+        let source = LightSource { emitter: EmitterId::Surface(primitive), segments: path.depth };
         let throughput = path.throughput;
         deposit(path, source, || {
-            let share = share(job, vertex, LightEnd::Surface(landing, surface.normal));
+            let &Landing { position, direction: arrival, .. } = landing;
+            let hit = EmitterHit { primitive, position, normal: surface.normal, arrival };
+            let share = share(job, vertex, LightEnd::Surface(hit));
             throughput * material.emission * share
         });
     }

@@ -9,55 +9,55 @@ use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::deposit::{EmitterId, LightSource, deposit};
 use super::draw::Draw;
-use super::meet::meet;
+use super::meet::{Meeting, meet};
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
-use crate::shade::{self, Incidence};
+use crate::shade::Response;
 use crate::spacetime::AtInfinity;
-
-/// A ray to a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightRay {
-    /// Unit direction.
-    pub direction: DVec3,
-    /// Target of the ray.
-    pub target: Target,
-    /// Contribution to the path if it gets there.
-    pub brings: Vec3,
-}
 
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
 const NEAR: f64 = 1e-3;
 
-/// Light ray from where a path lands, from two numbers in [0, 1); `None` if it would contribute nothing.
+/// Light that may come to where a path lands, from two numbers in [0, 1).
 #[inline]
 pub fn propose(
     job: &Job,
     illumination: &Illumination,
     path: &Path,
-    incidence: &Incidence,
-    landing: &Landing,
+    meeting: &Meeting,
+    receiver: &Receiver,
     [u, v]: [f64; 2],
-) -> Option<LightRay> {
-    let material = &job.scene.materials[incidence.material as usize];
-    if path.depth >= job.settings.max_depth || !material.spreads_light() {
+) -> Option<LightSample> {
+    if path.depth >= job.settings.max_depth || !meeting.material(job.scene).spreads_light() {
         return None;
     }
     let chance = illumination.chance(path.throughput);
     if u >= chance {
         return None;
     }
-    let receiver =
-        Receiver { position: landing.position, normal: incidence.facing().0, on: landing.primitive };
-    let LightSample { direction, target, light } = illumination.sample(&receiver, [u / chance, v])?;
-    let (bsdf, found) = shade::evaluate(&job.scene.materials, incidence, direction)?;
+    illumination.sample(receiver, [u / chance, v])
+}
+
+/// Contribution of that light, from how the surface responds to it; zero if no ray is worth it.
+#[inline]
+pub fn brings(
+    job: &Job,
+    illumination: &Illumination,
+    path: &Path,
+    light: &LightSample,
+    &Response { bsdf, density: found }: &Response,
+) -> Vec3 {
+    if found == 0.0 {
+        return Vec3::ZERO;
+    }
+    let chance = illumination.chance(path.throughput);
     // On caustics (merging images) weight and density are both 0; BSDF sampling covers it.
     let shared = |radiance: Vec3, density: f64| {
         let density = chance * density;
         let share = illumination.share_of_sample(density, found) / density;
         (if share.is_finite() { share as f32 } else { 0.0 }) * radiance
     };
-    let light = match light {
+    let incoming = match light.light {
         Incoming::Radiance(radiance, density) => shared(radiance, density),
         Incoming::Sky(there, density) => {
             shared(job.scene.environment(there.side).radiance(there.direction), density)
@@ -65,8 +65,8 @@ pub fn propose(
         Incoming::Seen(density) => shared(Vec3::ONE, density),
         Incoming::Irradiance(irradiance) => irradiance / chance as f32,
     };
-    let brings = path.throughput * bsdf * light;
-    (brings != Vec3::ZERO && brings.is_finite()).then_some(LightRay { direction, target, brings })
+    let brings = path.throughput * bsdf * incoming;
+    if brings.is_finite() { brings } else { Vec3::ZERO }
 }
 
 /// State of a light ray after a move.
@@ -151,11 +151,9 @@ pub fn conclude<Flight>(
 /// which it goes on, or `None` if it ends.
 #[inline]
 pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
-    let materials = &job.scene.materials;
     let meeting = meet(job.scene, landing, vertex.media);
-    let (surface, incidence) = (&meeting.surface, meeting.incidence(landing.direction, vertex.media));
-    let material = &materials[surface.surface.material as usize];
-    let front = landing.direction.dot(surface.normal) < 0.0;
+    let material = meeting.material(job.scene);
+    let front = landing.direction.dot(meeting.surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {
         let source = LightSource { emitter: EmitterId::Surface(meeting.primitive), segments: vertex.depth };
         deposit(path, source, || vertex.brings * material.emission);
@@ -164,9 +162,9 @@ pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing
         return None;
     }
     let numbers = job.sampler.point(Draw::Bend.key(path, vertex.depth));
-    let bounce = shade::scatter(materials, &incidence, numbers)?;
+    let bounce = material.lobe.sample(&meeting.incidence(landing.direction), numbers);
     vertex.brings *= bounce.weight;
-    vertex.media = bounce.media;
+    vertex.media = meeting.media_after(&bounce, vertex.media);
     vertex.depth += 1;
     vertex.after_specular = true;
     (vertex.brings != Vec3::ZERO).then_some(bounce.direction)

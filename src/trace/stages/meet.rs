@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::transport::Landing;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
-use crate::shade::{Incidence, InterfaceCrossing, Media};
+use crate::shade::{Bounce, Incidence, InterfaceCrossing, Material, Media, relative_index};
 
 /// Surface that a path meets where it lands.
 pub struct Meeting {
@@ -13,32 +13,40 @@ pub struct Meeting {
     pub primitive: PrimitiveId,
     /// Its surface.
     pub surface: SurfacePoint,
-    /// Through what light goes that is refracted.
-    crossing: InterfaceCrossing,
+    /// Index of refraction beyond it relative to that before it; 1 where light does not go through.
+    eta: f64,
+    /// Dielectrics around light that goes through.
+    pub beyond: Media,
 }
 
 /// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
 /// there: what is solid stops light, and further glass is crossed with it.
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
-    let mut meeting = Meeting {
-        primitive: landing.primitive,
-        surface: surface_at(scene, landing.primitive, landing),
-        crossing: InterfaceCrossing::none(media),
-    };
-    if is_glass(scene, &meeting.surface) {
-        meet_upon(scene, landing, media, &mut meeting);
+    let surface = surface_at(scene, landing.primitive, landing);
+    if is_glass(scene, &surface) {
+        return meet_upon(scene, landing, media, surface);
     }
-    meeting
+    Meeting { primitive: landing.primitive, surface, eta: 1.0, beyond: media }
 }
 
 impl Meeting {
-    /// Incidence on it of light in `media` that travels in a unit direction.
+    /// Incidence on it of light that travels in a unit direction.
     #[inline(always)]
-    pub fn incidence(&self, direction: DVec3, media: Media) -> Incidence {
-        let SurfacePoint { normal, shading_normal, surface, .. } = self.surface;
-        let crossing = self.crossing;
-        Incidence { direction, normal, shading_normal, material: surface.material, media, crossing }
+    pub fn incidence(&self, direction: DVec3) -> Incidence {
+        Incidence::new(direction, self.surface.normal, self.surface.shading_normal, self.eta)
+    }
+
+    /// Material of the surface.
+    #[inline(always)]
+    pub fn material<'a>(&self, scene: &'a Baked) -> &'a Material {
+        &scene.materials[self.surface.surface.material as usize]
+    }
+
+    /// Dielectrics around a path in `media` after a bounce.
+    #[inline(always)]
+    pub fn media_after(&self, bounce: &Bounce, media: Media) -> Media {
+        if bounce.crosses { self.beyond } else { media }
     }
 }
 
@@ -54,17 +62,18 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
 
-/// Meets what lies upon glass with it.
+/// Meets glass with what lies upon it.
 #[inline(never)]
-fn meet_upon(scene: &Baked, landing: &Landing, media: Media, meeting: &mut Meeting) {
+fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint) -> Meeting {
     let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        (meeting.primitive, meeting.surface) = (solid, surface);
-        return;
+        return Meeting { primitive: solid, surface, eta: 1.0, beyond: media };
     }
-    let faces = std::iter::once(face(&meeting.surface)).chain(others().map(|(_, other)| face(&other)));
-    meeting.crossing = InterfaceCrossing::of(media, faces);
+    let faces = std::iter::once(face(&glass)).chain(others().map(|(_, other)| face(&other)));
+    let crossing = InterfaceCrossing::of(media, faces);
+    let eta = relative_index(&scene.materials, &crossing);
+    Meeting { primitive, surface: glass, eta, beyond: crossing.into }
 }

@@ -1,4 +1,4 @@
-//! Shading of a landing: the surface is looked up, recorded, gathered from, and scattered at.
+//! Shading of landings: surfaces are looked up, recorded, gathered from, and scattered at.
 
 use glam::{DVec3, Vec3};
 
@@ -8,13 +8,14 @@ use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
 use super::deposit::{LightSource, deposit};
-use super::draw::Numbers;
+use super::draw::{Draws, Numbers};
 use super::emit::emit;
-use super::light::propose;
-use super::meet::meet;
+use super::light::{self, propose};
+use super::meet::{Meeting, meet};
 use super::record::record_hit;
-use super::scatter::scatter;
-use crate::light::Target;
+use super::scatter::take;
+use crate::light::{LightSample, Receiver, Target};
+use crate::shade::{Bounce, Incidence, Lobe, LobeQuery, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -27,49 +28,150 @@ pub fn shade(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
-    let meeting = meet(job.scene, landing, path.media);
-    let upon;
-    let landing = if meeting.primitive == landing.primitive {
-        landing
-    } else {
-        upon = Landing { primitive: meeting.primitive, ..*landing };
-        &upon
+    let arrival = arrive(job, path, vertex, landing, numbers, samples)?;
+    let (lobe, incidence) = arrival.hit(job, landing);
+    let response = match &arrival.light {
+        Some(light) => lobe.evaluate(&incidence, light.direction),
+        None => Response::default(),
     };
+    leave(job, path, vertex, (landing, &arrival), &lobe.sample(&incidence, numbers.ray), &response, numbers)
+}
+
+/// Landings that are shaded side by side at most: all that is known of them stays in the first-level cache.
+const AT_ONCE: usize = 64;
+
+/// Shading of many landings.
+#[derive(Default)]
+pub struct Shading {
+    /// Those that are scattered at, with their places among all.
+    arrivals: Vec<(usize, Arrival)>,
+    hits: SortedHits,
+}
+
+impl Shading {
+    /// Shades landings of `paths` by lane as [`shade`] does, lobes side by side: calls `end` with the place of each among
+    /// them, its path's vertex, and the direction of the next ray. Without light sampling there are no `vertices`.
+    pub fn shade_all(
+        &mut self,
+        job: &Job,
+        landed: &[(usize, Landing)],
+        (paths, vertices): (&mut [Path], &mut [Vertex]),
+        draws: &Draws,
+        samples: &mut Samples,
+        mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
+    ) {
+        let Self { arrivals, hits } = self;
+        let mut free = Vertex::default();
+        for first in (0..landed.len()).step_by(AT_ONCE) {
+            arrivals.clear();
+            for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
+                let numbers = draws.vertex(place);
+                let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
+                match arrive(job, path, vertex, landing, &numbers, samples) {
+                    Some(arrival) => {
+                        let (lobe, incidence) = arrival.hit(job, landing);
+                        let out = arrival.light.as_ref().map_or(DVec3::ZERO, |light| light.direction);
+                        hits.push(lobe, &incidence, &LobeQuery { u: numbers.ray, out });
+                        arrivals.push((place, arrival));
+                    }
+                    None => end(place, vertex, None),
+                }
+            }
+            hits.scatter(|number, bounce, response| {
+                let (place, arrival) = &arrivals[number];
+                let ((lane, landing), numbers) = (&landed[*place], draws.vertex(*place));
+                let (path, vertex) = (&mut paths[*lane], vertices.get_mut(*lane).unwrap_or(&mut free));
+                let direction = leave(job, path, vertex, (landing, arrival), bounce, response, &numbers);
+                end(*place, vertex, direction);
+            });
+        }
+    }
+}
+
+/// Landing that is scattered at.
+struct Arrival {
+    /// Surface that is met.
+    meeting: Meeting,
+    /// Light that may come to it.
+    light: Option<LightSample>,
+}
+
+impl Arrival {
+    /// Lobe that is hit, and how.
+    #[inline(always)]
+    fn hit<'a>(&self, job: &Job<'a>, landing: &Landing) -> (&'a Lobe, Incidence) {
+        (&self.meeting.material(job.scene).lobe, self.meeting.incidence(landing.direction))
+    }
+}
+
+/// Looks up and records the surface that a path landed on, gathers what it emits, and chooses light that may come to
+/// it; `None` if the path ends here.
+#[inline(always)]
+fn arrive(
+    job: &Job,
+    path: &mut Path,
+    vertex: &Vertex,
+    landing: &Landing,
+    numbers: &Numbers,
+    samples: &mut Samples,
+) -> Option<Arrival> {
+    let meeting = meet(job.scene, landing, path.media);
     record_hit(job, path, landing, &meeting.surface, samples);
-    emit(job, &meeting.surface, landing, vertex, path);
-    let incidence = meeting.incidence(landing.direction, path.media);
-    let is_specular = job.scene.materials[incidence.material as usize].is_specular();
+    emit(job, &meeting, landing, vertex, path);
+    let is_specular = meeting.material(job.scene).is_specular();
     match path.gathers {
         Gathers::Lamps if !is_specular => return None,
         Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
         _ => {}
     }
+    let light = job.illumination.as_ref().and_then(|illumination| {
+        let normal = meeting.incidence(landing.direction).normal;
+        let receiver = Receiver { position: landing.position, normal, on: meeting.primitive };
+        propose(job, illumination, path, &meeting, &receiver, numbers.light)
+    });
+    Some(Arrival { meeting, light })
+}
+
+/// Takes a path on from where it scatters, as its lobe samples and responds: the unit direction of its next ray; `None`
+/// if it ends.
+#[inline(always)]
+fn leave(
+    job: &Job,
+    path: &mut Path,
+    vertex: &mut Vertex,
+    (landing, Arrival { meeting, light }): (&Landing, &Arrival),
+    bounce: &Bounce,
+    response: &Response,
+    numbers: &Numbers,
+) -> Option<DVec3> {
     let Some(illumination) = &job.illumination else {
-        return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
+        return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     };
-    if is_specular && illumination.is_guided() {
+    if illumination.is_guided() && meeting.material(job.scene).is_specular() {
         vertex.after_specular = true;
-        return scatter(job, path, &incidence, numbers.ray).map(|bounce| bounce.direction);
+        return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     }
-    let (depth, chance) = (path.depth + 1, illumination.chance(path.throughput));
-    let light_ray = propose(job, illumination, path, &incidence, landing, numbers.light);
-    let bounce = scatter(job, path, &incidence, numbers.ray);
+    let (depth, media, chance) = (path.depth + 1, path.media, illumination.chance(path.throughput));
+    let light = light.as_ref();
+    let brings = light.map_or(Vec3::ZERO, |light| light::brings(job, illumination, path, light, response));
+    let light = light.filter(|_| brings != Vec3::ZERO);
+    let continues = take(job, path, meeting, bounce, numbers.ray[3]);
     *vertex = Vertex {
         position: landing.position,
-        normal: incidence.facing().0,
-        origin_prim: landing.primitive,
-        continues: bounce.is_some(),
-        direction: bounce.map_or(DVec3::ZERO, |bounce| bounce.direction),
-        density: bounce.map_or(0.0, |bounce| bounce.density),
+        normal: meeting.incidence(landing.direction).normal,
+        origin_prim: meeting.primitive,
+        continues,
+        direction: bounce.direction,
+        density: if continues { bounce.density } else { 0.0 },
         chance,
         after_specular: false,
-        light_ray_in_flight: light_ray.is_some(),
+        light_ray_in_flight: light.is_some(),
         depth,
-        media: incidence.media,
-        target: light_ray.map_or(Target::Nothing, |ray| ray.target),
-        brings: light_ray.map_or(Vec3::ZERO, |ray| ray.brings),
+        media,
+        target: light.map_or(Target::Nothing, |light| light.target),
+        brings,
     };
-    light_ray.map(|ray| ray.direction).or(bounce.map(|bounce| bounce.direction))
+    light.map(|light| light.direction).or(continues.then_some(bounce.direction))
 }
 
 /// Ends a path's light ray, at its target or not: the unit direction in which the path goes on, or `None` if it ends.

@@ -16,7 +16,7 @@ use warpfront::scene::Baked;
 
 use warpfront::shade::{
     Dielectric, Diffuse, Environment, Incidence, InterfaceCrossing, LatLong, Lobe, Material, Media, Mirror,
-    Sampler, evaluate, fresnel, scatter,
+    Sampler, fresnel, relative_index,
 };
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
@@ -26,6 +26,12 @@ const COUNT: usize = 200_000;
 
 fn numbers<const N: usize>(random: &mut Random) -> [f64; N] {
     [0; N].map(|_| random.between(0.0, 1.0))
+}
+
+/// Direction of a bounce; `None` if the path is absorbed.
+fn bounce(lobe: &Lobe, incidence: &Incidence, random: &mut Random) -> Option<DVec3> {
+    let bounce = lobe.sample(incidence, numbers(random).map(|u: f64| u as f32));
+    (bounce.weight != Vec3::ZERO).then_some(bounce.direction)
 }
 
 /// One material for each kind of lobe.
@@ -51,32 +57,22 @@ fn incidence(random: &mut Random, material: usize) -> Incidence {
     let shading_normal = (normal + 0.8 * random.in_cube()).normalize();
     let direction = random.direction();
     let enters = direction.dot(normal) < 0.0;
-    Incidence {
-        direction,
-        normal,
-        shading_normal,
-        material: material as u32,
-        media: Media::VACUUM,
-        crossing: InterfaceCrossing::of(Media::VACUUM, std::iter::once((material as u32, enters))),
-    }
+    let crossing = InterfaceCrossing::of(Media::VACUUM, std::iter::once((material as u32, enters)));
+    Incidence::new(direction, normal, shading_normal, relative_index(&lobes(), &crossing))
 }
 
 #[test]
 fn lobes_scatter_with_the_density_that_they_evaluate_to() {
     let (materials, mut random, mut verdict) = (lobes(), Random::new(1), Verdict::default());
-    for index in 0..materials.len() {
+    for (index, Material { lobe, .. }) in materials.iter().enumerate() {
         for number in 0..6 {
             let incidence = incidence(&mut random, index);
-            if evaluate(&materials, &incidence, incidence.facing().1).is_none() {
+            if lobe.evaluate(&incidence, incidence.shading_normal).density == 0.0 {
                 continue;
             }
-            let samples = (0..COUNT).map(|_| {
-                let bounce = scatter(&materials, &incidence, numbers(&mut random).map(|u: f64| u as f32));
-                bounce.map(|bounce| bounce.direction)
-            });
-            let samples: Vec<_> = samples.collect();
-            let density = |out| evaluate(&materials, &incidence, out).map_or(0.0, |(_, density)| density);
-            let directions = Directions::even(incidence.facing().1);
+            let samples: Vec<_> = (0..COUNT).map(|_| bounce(lobe, &incidence, &mut random)).collect();
+            let density = |out| lobe.evaluate(&incidence, out).density;
+            let directions = Directions::even(incidence.shading_normal);
             verdict.add(format!("lobe {index}, {number}"), directions.probability(samples, density));
         }
     }
@@ -91,13 +87,11 @@ fn glass_reflects_as_often_as_fresnel_says() {
         let mut incidence = incidence(&mut random, glass);
         incidence.shading_normal = incidence.normal;
         let cos = -incidence.direction.dot(incidence.normal);
-        // From inside, as seen by a path that has come in.
-        let eta = if cos > 0.0 { 1.5 } else { 1.0 / 1.5 };
-        let reflectance = fresnel(eta, cos.abs());
+        let reflectance = fresnel(incidence.eta, cos);
         let count = COUNT / 10;
         let reflected = (0..count).filter(|_| {
-            let bounce = scatter(&materials, &incidence, numbers(&mut random).map(|u: f64| u as f32));
-            bounce.unwrap().direction.dot(incidence.normal) * cos > 0.0
+            let direction = bounce(&materials[glass].lobe, &incidence, &mut random).unwrap();
+            direction.dot(incidence.normal) > 0.0
         });
         let reflected = reflected.count() as f64;
         let (count, expected) = (count as f64, reflectance * count as f64);
@@ -482,19 +476,11 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
 fn a_density_that_is_a_few_percent_off_is_rejected() {
     let (materials, mut random) = (lobes(), Random::new(8));
     let incidence = incidence(&mut random, 0);
-    let axis = incidence.facing().1;
-    let samples: Vec<_> = (0..COUNT)
-        .map(|_| {
-            let bounce = scatter(&materials, &incidence, numbers(&mut random).map(|u: f64| u as f32));
-            bounce.map(|bounce| bounce.direction)
-        })
-        .collect();
+    let (lobe, axis) = (&materials[0].lobe, incidence.shading_normal);
+    let samples: Vec<_> = (0..COUNT).map(|_| bounce(lobe, &incidence, &mut random)).collect();
     let across = axis.any_orthonormal_vector();
     for wrong in [0.08, -0.08] {
-        let density = |out: DVec3| {
-            let right = evaluate(&materials, &incidence, out).map_or(0.0, |(_, density)| density);
-            right * (1.0 + wrong * out.dot(across))
-        };
+        let density = |out: DVec3| lobe.evaluate(&incidence, out).density * (1.0 + wrong * out.dot(across));
         let mut verdict = Verdict::default();
         verdict.add("wrong", Directions::even(axis).probability(samples.iter().copied(), density));
         assert!(verdict.corrected() < 1e-6, "{wrong}: {}", verdict.corrected());
