@@ -183,9 +183,11 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DAffine3;
+
     use super::*;
     use crate::geodesic::Arc;
-    use crate::geometry::{Line, Primitives, Sphere, Surface};
+    use crate::geometry::{Instance, Line, Mesh, Primitives, Sphere, Surface};
 
     const LANES: usize = 30;
 
@@ -197,7 +199,8 @@ mod tests {
         geometry.search_all(&mut search, LANES);
         for (i, found) in search.found.iter().enumerate() {
             let alone = geometry.intersect_brute_force(&segment(i), PrimitiveId::NONE);
-            assert_eq!(found.map(|found| found.primitive), alone.map(|alone| alone.primitive), "segment {i}");
+            let alone = alone.map(|Hit { s, primitive }| Found { point: segment(i).point(s), primitive });
+            assert_eq!(*found, alone, "segment {i}");
         }
         assert!(search.found.iter().any(Option::is_some));
     }
@@ -215,6 +218,65 @@ mod tests {
             };
             check(&geometry, |i| Line { p0: ends(i).0, p2: ends(i).1 });
             check(&geometry, |i| Arc { p0: ends(i).0, p1: 3.0 * DVec3::Y, p2: ends(i).1, w: 0.5 });
+        }
+    }
+
+    #[test]
+    fn any_number_of_triangles_can_be_searched() {
+        for columns in 1..30 {
+            // A strip of squares, two triangles each, with a second strip upon it and a third beyond.
+            let corners = |layer: u32| (0..=columns).flat_map(move |x| [0, 1].map(|y| [x, y, layer / 2]));
+            let positions = (0..3).flat_map(corners).map(|corner| corner.map(|x| x as f32)).collect();
+            let square = |at: u32| [[at, at + 2, at + 3], [at, at + 3, at + 1]];
+            let strip = |layer: u32| (0..columns).flat_map(move |x| square(2 * (layer * (columns + 1) + x)));
+            let triangles = (0..3).flat_map(strip).collect();
+            let meshes = vec![Mesh { positions, normals: Vec::new(), triangles }];
+            let surface = Surface { material: 0, entity: 0 };
+            let instances = vec![(Instance { mesh: 0, to_world: DAffine3::IDENTITY }, surface)];
+            let geometry = Geometry::build(Primitives { meshes, instances, ..Primitives::default() });
+            // Through corners, edges, diagonals and insides, and across.
+            let places = |i: usize| DVec3::new(0.25 * (i % 8) as f64, 0.25 * (i / 8) as f64, 0.0);
+            let ends = |i: usize| (places(i) - 2.0 * DVec3::Z, places(i) + 3.0 * DVec3::Z);
+            check(&geometry, |i| Line { p0: ends(i).0, p2: ends(i).1 });
+            check(&geometry, |i| Line { p0: ends(i).1, p2: ends(i).0 });
+            check(&geometry, |i| Line { p0: ends(i).0, p2: ends(3 * i % LANES).1 });
+            check(&geometry, |i| {
+                let (p0, p2) = ends(i);
+                Arc { p0, p1: 0.5 * (p0 + p2) + 0.1 * DVec3::X, p2, w: 0.9 }
+            });
+        }
+    }
+
+    #[test]
+    fn lines_that_leave_one_of_few_triangles_meet_the_others() {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let meshes = vec![Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [1, 3, 2]] }];
+        let surface = Surface { material: 0, entity: 0 };
+        let sphere = Sphere { center: DVec3::new(0.2, 0.2, 2.0), radius: 0.5 };
+        let instances = vec![(Instance { mesh: 0, to_world: DAffine3::IDENTITY }, surface)];
+        let geometry = Geometry::build(Primitives {
+            spheres: vec![(sphere, surface)],
+            meshes,
+            instances,
+            ..Primitives::default()
+        });
+        let start = DVec3::new(0.2, 0.2, 0.0);
+        let onto = Line { p0: start + DVec3::Z, p2: start - DVec3::Z };
+        let own = geometry.intersect(&onto, PrimitiveId::NONE).expect("a hit").primitive;
+        let mut search = Search::default();
+        search.queries.gather(LANES, |i| {
+            let up = Line { p0: start, p2: start + 4.0 * DVec3::Z };
+            let segment = if i % 2 == 0 { up } else { Line { p2: start - DVec3::Z, ..up } };
+            Query { segment, origin_prim: own, need: if i == 4 { Need::Nothing } else { Need::Whole } }
+        });
+        geometry.search_all(&mut search, LANES);
+        for (i, found) in search.found.iter().enumerate() {
+            let meets = i % 2 == 0 && i != 4;
+            assert_eq!(
+                found.map(|found| found.point),
+                meets.then_some(DVec3::new(0.2, 0.2, 1.5)),
+                "line {i}"
+            );
         }
     }
 }

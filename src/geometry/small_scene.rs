@@ -138,7 +138,7 @@ pub trait SideBySide: Segment + Row {
 
 impl SideBySide for Line {
     const FEW: usize = 16;
-    const TRIANGLES: usize = 4;
+    const TRIANGLES: usize = 6;
     type Prepared = Line;
 
     #[inline(always)]

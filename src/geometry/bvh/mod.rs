@@ -321,6 +321,19 @@ mod tests {
     }
 
     #[test]
+    fn what_is_alone_has_a_leaf_of_its_own() {
+        for count in [2, 9, 100] {
+            let place = |i: usize| DVec3::new(3.0 * i as f64, 0.0, 0.0);
+            let bvh = Bvh::build(count, 1..count / 2 + 1, |i| (place(i) - 1.0, place(i) + 1.0));
+            let is_alone = |&index: &u32| (1..count / 2 + 1).contains(&(index as usize));
+            for leaf in bvh.order().chunks(LEAF_SIZE) {
+                assert!(leaf[1] == EMPTY || !leaf.iter().any(is_alone), "{count} boxes: {leaf:?}");
+            }
+            assert_eq!(bvh.filled().count(), count);
+        }
+    }
+
+    #[test]
     fn a_thick_ray_meets_what_its_bow_reaches_on_that_side_only() {
         let bvh = row(99, 1.0);
         let beside = Chord {
