@@ -3,27 +3,17 @@
 //! With few primitives, segments are tested side by side ([`small_scene`](super::small_scene)). Otherwise each is taken
 //! through the hierarchy, several interleaved: while one waits for memory, others go on.
 
-use glam::DVec3;
 use obvhs::faststack::HeapStack;
 
-use super::SideBySide;
 use super::bvh::Walk;
 use super::nearest::Nearest;
 use super::query::{Need, Query};
 use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
+use super::{Found, SideBySide};
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 use crate::spacetime::Side;
-
-/// Something found along a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// World position of the crossing.
-    pub point: DVec3,
-    /// Primitive that is hit.
-    pub primitive: PrimitiveId,
-}
 
 /// Segments to be searched and what they meet first. Its memory is used again from round to round.
 pub struct Search<S: SideBySide> {
@@ -188,7 +178,7 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec3};
 
     use super::*;
     use crate::geodesic::Arc;
