@@ -33,7 +33,7 @@ impl Wide {
     /// Collapses `binary`, whose leaves hold one primitive each; there are more than fit one leaf. Those that are
     /// `alone` have a leaf each.
     pub fn collapse(binary: &Bvh2, alone: impl Fn(u32) -> bool) -> Self {
-        let binary = &Source { binary, alone };
+        let binary = &BinaryTree { binary, alone };
         let mut wide = Self { nodes: vec![BvhNode::default()], ..Self::default() };
         let mut pending = vec![(0usize, 0u32, 1usize)];
         while let Some((at, from, level)) = pending.pop() {
@@ -58,12 +58,12 @@ impl Wide {
 }
 
 /// A binary hierarchy, and which primitives have a leaf each.
-struct Source<'a, F> {
+struct BinaryTree<'a, F> {
     binary: &'a Bvh2,
     alone: F,
 }
 
-impl<F: Fn(u32) -> bool> Source<'_, F> {
+impl<F: Fn(u32) -> bool> BinaryTree<'_, F> {
     fn node(&self, index: u32) -> &Bvh2Node {
         &self.binary.nodes[index as usize]
     }
