@@ -22,6 +22,7 @@ mod regions;
 mod sample;
 mod sampler;
 mod sky;
+mod spherical_triangle;
 mod tree;
 
 pub use aim::field::{FieldAim, FieldWay};
