@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::aim::Approach;
 use super::receiver::Receiver;
+use super::spherical_triangle::SphericalTriangle;
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
 use crate::math::concentric::concentric;
@@ -96,6 +97,8 @@ pub enum View {
     Everywhere,
     /// From outside, along a ray that ends in the middle.
     Outside(Approach),
+    /// From a position, along straight lines.
+    Straight(DVec3),
 }
 
 /// Side of an emitter on which a place is.
@@ -174,11 +177,6 @@ impl Emitter {
         }
     }
 
-    /// True if points depend on the view.
-    pub fn needs_view(&self) -> bool {
-        matches!(self.form, Form::Whole(Shape::Sphere(_)))
-    }
-
     /// Side on which a receiver is. For a sphere it is decided here alone, and for what lies on the sphere by the
     /// side that it looks to: its distance from the centre is the radius but for rounding.
     pub fn standpoint(&self, receiver: &Receiver) -> Standpoint {
@@ -221,24 +219,42 @@ impl Emitter {
                 let (sin, cos) = sin_cos_turns::sin_cos(turns);
                 (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
             }
-            Form::Whole(Shape::Triangle([a, b, c])) => {
+            Form::Whole(Shape::Triangle(corners @ [a, b, c])) => {
+                let normal = (b - a).cross(c - a).try_normalize()?;
+                if let Some((triangle, x)) = seen_triangle(&corners, view) {
+                    let direction = triangle.sample(u, v);
+                    let position = x + (a - x).dot(normal) / direction.dot(normal) * direction;
+                    let density = self.density(view, position, normal);
+                    return (position.is_finite() && density > 0.0).then_some(Spot {
+                        position,
+                        normal,
+                        density,
+                    });
+                }
                 // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
                 let (u, v) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
-                let normal = (b - a).cross(c - a).try_normalize()?;
                 (a + u * (b - a) + v * (c - a), normal)
             }
         };
-        let density = self.density(view, normal);
+        let density = self.density(view, position, normal);
         (density > 0.0).then_some(Spot { position, normal, density })
     }
 
-    /// Density over the area of a point with this normal.
-    pub fn density(&self, view: &View, normal: DVec3) -> f64 {
+    /// Density over the area of a point on it with this normal.
+    pub fn density(&self, view: &View, position: DVec3, normal: DVec3) -> f64 {
         match self.form {
             Form::Cap(sphere, cap) if cap.holds(normal) => 1.0 / cap.area(sphere.radius),
             Form::Cap(..) => 0.0,
             Form::Whole(Shape::Sphere(sphere)) => sphere_density(&sphere, view, normal),
-            Form::Whole(shape) => 1.0 / shape.area(),
+            Form::Whole(Shape::Triangle(corners)) => match seen_triangle(&corners, view) {
+                Some((triangle, x)) => {
+                    let offset = position - x;
+                    let square = offset.length_squared();
+                    offset.dot(normal).abs() / (square * square.sqrt() * triangle.solid_angle)
+                }
+                None => 1.0 / Shape::Triangle(corners).area(),
+            },
+            Form::Whole(Shape::Disk(disk)) => 1.0 / Shape::Disk(disk).area(),
         }
     }
 
@@ -264,6 +280,14 @@ impl Emitter {
         let power = sides * PI * area * luminance(self.radiance);
         let both_sides = self.both_sides;
         Emission { min, max, power, axis, cos_normals, cos_emission: 0.0, both_sides }
+    }
+}
+
+/// A triangle as an onlooker at a position sees it, if that is worth while.
+fn seen_triangle(corners: &[DVec3; 3], view: &View) -> Option<(SphericalTriangle, DVec3)> {
+    match *view {
+        View::Straight(x) => Some((SphericalTriangle::seen(corners, x)?, x)),
+        View::Everywhere | View::Outside(_) => None,
     }
 }
 

@@ -23,6 +23,7 @@ mod sample;
 mod sampler;
 mod sky;
 mod sky_tiles;
+mod spherical_triangle;
 mod tree;
 
 pub use aim::field::{FieldAim, FieldWay};

@@ -11,12 +11,13 @@
 use glam::DVec3;
 
 use super::aim::{Aim, Link};
-use super::emitter::{Emitter, Standpoint, View};
+use super::emitter::{Emitter, Form, Standpoint, View};
 use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sky::Sky;
+use crate::geometry::Shape;
 use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
 
@@ -92,7 +93,10 @@ impl<A: Aim> LightSampler for A {
         let middle = self.place(side, emitter.middle());
         let winding_pmf = self.pmf(&x, &middle, winding);
         let view = view(self, (emitter, standpoint), &x, &middle, winding);
-        finite(pmf * winding_pmf * emitter.density(&view, hit.normal) / (geometry_factor * cos.abs()))
+        finite(
+            pmf * winding_pmf * emitter.density(&view, hit.position, hit.normal)
+                / (geometry_factor * cos.abs()),
+        )
     }
 
     fn sky_density(&self, lights: &Lights, receiver: &Receiver, direction: DVec3, there: AtInfinity) -> f64 {
@@ -259,10 +263,13 @@ fn view<A: Aim>(
     middle: &A::Place,
     winding: u32,
 ) -> View {
-    if !emitter.needs_view() || standpoint != Standpoint::Apart {
-        return View::Everywhere;
+    match emitter.form {
+        Form::Whole(Shape::Sphere(_)) if standpoint == Standpoint::Apart => {
+            View::Outside(aim.approach(x, middle, winding))
+        }
+        Form::Whole(Shape::Triangle(_)) => aim.straight_from(x).map_or(View::Everywhere, View::Straight),
+        Form::Whole(Shape::Sphere(_) | Shape::Disk(_)) | Form::Cap(..) => View::Everywhere,
     }
-    View::Outside(aim.approach(x, middle, winding))
 }
 
 /// Winding number and geometry factor of a ray; `None` if it winds too often to be sampled.

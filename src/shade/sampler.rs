@@ -14,6 +14,7 @@ const LANES: usize = 16;
 /// Source of random numbers for all paths of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
+    /// Mixed.
     seed: u64,
     independent: bool,
 }
@@ -32,12 +33,12 @@ pub struct Key {
 impl Sampler {
     /// Owen-scrambled Sobol' points, two dimensions at a time, decorrelated between pixels and sets.
     pub fn sobol(seed: u64) -> Self {
-        Self { seed, independent: false }
+        Self { seed: finalise(seed.wrapping_add(GOLDEN)), independent: false }
     }
 
     /// Independent uniform numbers.
     pub fn independent(seed: u64) -> Self {
-        Self { seed, independent: true }
+        Self { seed: finalise(seed.wrapping_add(GOLDEN)), independent: true }
     }
 
     /// Numbers in [0, 1) for `key`.
@@ -53,29 +54,20 @@ impl Sampler {
         widest(All { sampler: self, keys, points });
     }
 
-    /// For each of some keys, a pair of Sobol' points of the sequence `number`, 0 or 1, of its set.
+    /// For each of some keys, the sequence `number`, 0 or 1, of its set.
     #[inline(always)]
-    fn pairs<const N: usize>(&self, keys: [Key; N], number: u32) -> [[u32; 2]; N] {
-        let (mut index, mut seed) = ([0; N], [0; N]);
+    fn sequences<const N: usize>(&self, keys: [Key; N], number: u32) -> [u64; N] {
+        let mut sequences = [0; N];
         for lane in 0..N {
-            let Key { pixel, sample, set } = keys[lane];
-            index[lane] = sample;
-            seed[lane] = mix(self.seed, u64::from(pixel) << 32 | u64::from(set << 1 | number));
+            let Key { pixel, set, .. } = keys[lane];
+            sequences[lane] = finalise(self.seed ^ (u64::from(pixel) << 32 | u64::from(set << 1 | number)));
         }
-        pairs(index, seed)
-    }
-
-    /// Digits of a pair past those of [`Self::pairs`]: so far down, scrambled ones are random.
-    #[inline(always)]
-    fn digits<const N: usize>(&self, keys: [Key; N]) -> [u64; N] {
-        keys.map(|Key { pixel, sample, set }| {
-            mix(mix(self.seed, u64::from(pixel) << 32 | u64::from(set)), sample.into())
-        })
+        sequences
     }
 
     fn generator(&self, Key { pixel, sample, set }: Key) -> Xoshiro256PlusPlus {
-        let key = mix(self.seed, (u64::from(pixel) << 32) | u64::from(sample));
-        Xoshiro256PlusPlus::seed_from_u64(mix(key, u64::from(set)))
+        let key = finalise(self.seed ^ (u64::from(pixel) << 32 | u64::from(sample)));
+        Xoshiro256PlusPlus::seed_from_u64(finalise(key ^ u64::from(set)))
     }
 }
 
@@ -92,7 +84,9 @@ impl SamplePoint for [f32; 4] {
         if sampler.independent {
             return keys.map(|key| sampler.generator(key).random());
         }
-        let (first, second) = (sampler.pairs(keys, 0), sampler.pairs(keys, 1));
+        let index = keys.map(|key| key.sample);
+        let first = pairs(index, sampler.sequences(keys, 0));
+        let second = pairs(index, sampler.sequences(keys, 1));
         let mut points = [[0.0; 4]; N];
         for lane in 0..N {
             let ([x, y], [z, w]) = (first[lane], second[lane]);
@@ -109,10 +103,13 @@ impl SamplePoint for [f64; 2] {
         if sampler.independent {
             return keys.map(|key| sampler.generator(key).random());
         }
-        let (pairs, more) = (sampler.pairs(keys, 0), sampler.digits(keys));
+        let (index, sequences) = (keys.map(|key| key.sample), sampler.sequences(keys, 0));
+        let pairs = pairs(index, sequences);
         let mut points = [[0.0; 2]; N];
         for lane in 0..N {
-            let ([x, y], more) = (pairs[lane], more[lane]);
+            // So far down, scrambled digits are random: those of SplitMix64 from the sequence on.
+            let more = finalise(sequences[lane].wrapping_add(u64::from(index[lane]).wrapping_mul(GOLDEN)));
+            let [x, y] = pairs[lane];
             points[lane] = [(x, more as u32), (y, (more >> 32) as u32)].map(|(digits, more)| {
                 let digits = u64::from(digits) << 20 | u64::from(more >> 12);
                 f64::from_bits(1f64.to_bits() | digits) - 1.0
@@ -142,15 +139,15 @@ impl<P: SamplePoint> pulp::NullaryFnOnce for All<'_, P> {
     }
 }
 
-/// A well-mixed function of two words: two rounds of SplitMix64's finaliser (Steele, Lea, Flood 2014).
+/// Step of SplitMix64: 2^64 over the golden ratio.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// SplitMix64's finaliser, which mixes all bits of a word (Steele, Lea, Flood 2014).
 #[inline(always)]
-fn mix(a: u64, b: u64) -> u64 {
-    let finalise = |mut z: u64| {
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    finalise(finalise(a.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ b)
+fn finalise(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
 #[cfg(test)]

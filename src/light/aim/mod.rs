@@ -54,6 +54,11 @@ pub trait Aim: Send + Sync {
     /// Probability with which to choose this winding number; the sum over all is 1.
     fn pmf(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> f64;
 
+    /// Position of an onlooker to whom all rays are straight; `None` where they are not.
+    fn straight_from(&self, _x: &Self::Place) -> Option<DVec3> {
+        None
+    }
+
     /// Estimate of the ray with this winding number.
     fn approach(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Approach;
 

@@ -36,6 +36,10 @@ impl Aim for StraightAim {
         1.0
     }
 
+    fn straight_from(&self, x: &StraightPlace) -> Option<DVec3> {
+        Some(x.position)
+    }
+
     fn approach(&self, x: &StraightPlace, y: &StraightPlace, _: u32) -> Approach {
         let direction =
             if y.is_infinite { y.position } else { (y.position - x.position).normalize_or_zero() };

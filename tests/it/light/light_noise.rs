@@ -69,7 +69,8 @@ fn no_sample_is_brighter_than_both_ways_to_find_light_allow() {
         if r_s == 0.0 {
             let most = brightest(&mut scene, Straight);
             println!("without sharing {most}");
-            assert!(f64::from(most) > 3.0 * bound, "{most}: the scene is no test");
+            // The lamp on the wall is sampled by solid angle, the balls and the disk that touch each other are not.
+            assert!(f64::from(most) > 1.5 * bound, "{most}: the scene is no test");
         }
     }
 }

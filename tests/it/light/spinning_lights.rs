@@ -176,8 +176,8 @@ fn a_point_light_beside_a_spinning_hole_is_a_small_ball() {
         let (corners, section) = ball(place, 0.2, &lit);
         let lamp = material("lamp", 0.0, 5.0 / section) + &mesh("ball.obj", place, "lamp");
         let mut small = stage(&lamp, &[("ball.obj", &corners)]);
-        let with = picture(&mut lit, Geodesic, 64, 2 * number as u64);
-        let without = picture(&mut small, Geodesic, 8192, 2 * number as u64 + 1);
+        let with = picture(&mut lit, Geodesic, 256, 2 * number as u64);
+        let without = picture(&mut small, Geodesic, 12288, 2 * number as u64 + 1);
         Agreement::of(&with, &without).check(&format!("light at {place}"));
     }
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use warpfront::film::{Aov, Image, read_exr};
-use warpfront::scene::{self, Filter};
+use warpfront::scene::{self, Filter, SamplerKind, Settings};
 use warpfront::trace::{self, Run};
 
 const BLOCK: usize = 16;
@@ -111,10 +111,15 @@ fn wall_axis(wall: usize) -> usize {
 }
 
 fn render(path: &Path, spp: u32) -> Image {
+    render_with(path, (256, 192), spp, |_| {})
+}
+
+fn render_with(path: &Path, size: (usize, usize), spp: u32, set: impl Fn(&mut Settings)) -> Image {
     let mut scene = scene::load(path, &[]).unwrap_or_else(|error| panic!("{error}"));
     let settings = &mut scene.settings;
-    (settings.width, settings.height, settings.filter) = (256, 192, Filter::Box);
+    (settings.width, settings.height, settings.filter) = (size.0, size.1, Filter::Box);
     (settings.spp, settings.max_depth, settings.roulette_depth) = (spp, 8, 5);
+    set(settings);
     let run = Run { aovs: vec![Aov::Variance], ..Run::default() };
     trace::render(&scene, &run, &AtomicBool::new(false), &|_| {}).image
 }
@@ -224,4 +229,61 @@ fn the_cornell_box_of_rectangles_matches_mitsuba() {
 #[test]
 fn a_box_with_327_680_triangles_matches_mitsuba() {
     compare("c", &render(&data("cornell_bumpy_c.glb"), 64), 0.005);
+}
+
+/// Mean of (a − b)²/(b² + 0.01) against a reference, whose pixels are taken together.
+fn relative_mse(name: &str, image: &Image) -> f64 {
+    let reference = read_exr(&data(&format!("ref_{name}.exr"))).unwrap_or_else(|error| panic!("{error}"));
+    let (width, by) = (image.size.0, reference.size.0 / image.size.0);
+    let count = 3 * width * image.size.1;
+    let errors = ["R", "G", "B"].into_iter().flat_map(|channel| {
+        let [mean, deviation] =
+            [channel, format!("se.{channel}").as_str()].map(|name| plane(&reference, name));
+        let variances: Vec<f64> = deviation.iter().map(|&se| f64::from(se).powi(2)).collect();
+        let truth = blocks(mean, &variances, reference.size.0, (by, by));
+        let error = |(&a, b): (&f32, Estimate)| {
+            ((f64::from(a) - b.mean).powi(2) - b.variance) / (b.mean * b.mean + 0.01)
+        };
+        plane(image, channel).iter().zip(truth).map(error).collect::<Vec<_>>()
+    });
+    errors.sum::<f64>() / count as f64
+}
+
+#[test]
+fn few_samples_of_the_cornell_box_leave_less_error_than_those_of_mitsuba() {
+    for (spp, bound) in [(16, 0.0075), (64, 0.0015)] {
+        let seeds = 0..2;
+        let error = |seed| {
+            let image = render_with(&data("cornell_b.glb"), (128, 96), spp, |settings| settings.seed = seed);
+            relative_mse("b", &image)
+        };
+        let mean = seeds.clone().map(error).sum::<f64>() / f64::from(seeds.end as u32);
+        println!("{spp} samples: {mean:.5}");
+        assert!(mean < bound, "{spp} samples: {mean}, not {bound}");
+    }
+}
+
+#[test]
+fn variances_are_those_between_pictures_for_independent_samples_and_little_above_for_sobol() {
+    for (sampler, bounds) in [(SamplerKind::Independent, 0.9..1.1), (SamplerKind::Sobol, 1.0..1.6)] {
+        const SEEDS: u64 = 16;
+        let picture = |seed| {
+            render_with(&data("cornell_b.glb"), (32, 24), 64, |settings| {
+                (settings.sampler, settings.seed) = (sampler, seed);
+            })
+        };
+        let pictures: Vec<Image> = (0..SEEDS).map(picture).collect();
+        let (mut said, mut found) = (0.0, 0.0);
+        for pixel in 0..32 * 24 {
+            let of =
+                |name: &'static str| pictures.iter().map(move |image| f64::from(plane(image, name)[pixel]));
+            let mean = of("R").sum::<f64>() / SEEDS as f64;
+            // Dark pixels count as much as bright ones.
+            let weight = 1.0 / (mean * mean + 0.01);
+            found += weight * of("R").map(|value| (value - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
+            said += weight * of("variance.R").sum::<f64>() / SEEDS as f64;
+        }
+        println!("{sampler:?}: {:.3}", said / found);
+        assert!(bounds.contains(&(said / found)), "{sampler:?}: {said} for {found}");
+    }
 }
