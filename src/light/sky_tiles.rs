@@ -12,7 +12,7 @@ use crate::math::rescale::rescale;
 /// Tiles of a latitude-longitude picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyTiles {
-    nodes: Vec<Node>,
+    nodes: Vec<TileNode>,
     tiles: Vec<SkyTile>,
     /// Probability of all tiles before each; then 1.
     cumulative: Vec<f64>,
@@ -29,9 +29,9 @@ pub struct SkyTile {
     pub pmf: f64,
 }
 
-/// Node of the binary tree of parts.
+/// TileNode of the binary tree of parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Node {
+enum TileNode {
     /// Texels below a row or a column, and those from it on, are in these nodes.
     Split { by_rows: bool, at: u32, parts: [u32; 2] },
     /// Number of a tile.
@@ -40,7 +40,7 @@ enum Node {
 
 /// Texels of a part: from the first row and column to beyond the last.
 #[derive(Clone, Copy)]
-struct Part {
+struct SkyPart {
     rows: [usize; 2],
     columns: [usize; 2],
     power: f64,
@@ -55,9 +55,9 @@ const LARGEST: f64 = 0.3;
 impl SkyTiles {
     /// Tiles of a picture of this size, given the probability of any rectangle of texels: rows, then columns.
     pub fn new((width, height): (usize, usize), probability: impl Fn([usize; 2], [usize; 2]) -> f64) -> Self {
-        let extent = |part: &Part| angles((width, height), part);
+        let extent = |part: &SkyPart| angles((width, height), part);
         // Light from small parts is hard to find by chance, from large ones by this.
-        let urgency = |part: &Part| {
+        let urgency = |part: &SkyPart| {
             let [across, down] = extent(part);
             let radius = 0.5 * libm::hypot(across, down);
             let is_single = part.rows[1] - part.rows[0] == 1 && part.columns[1] - part.columns[0] == 1;
@@ -67,8 +67,8 @@ impl SkyTiles {
                 (false, false) => part.power * radius,
             }
         };
-        let whole = Part { rows: [0, height], columns: [0, width], power: 1.0, node: 0 };
-        let (mut parts, mut nodes) = (vec![whole], vec![Node::Tile(0)]);
+        let whole = SkyPart { rows: [0, height], columns: [0, width], power: 1.0, node: 0 };
+        let (mut parts, mut nodes) = (vec![whole], vec![TileNode::Tile(0)]);
         loop {
             let (worst, urgent) = parts
                 .iter()
@@ -86,11 +86,11 @@ impl SkyTiles {
             let at = low.midpoint(high);
             let halves = [[low, at], [at, high]].map(|half| {
                 let (rows, columns) = if by_rows { (half, part.columns) } else { (part.rows, half) };
-                nodes.push(Node::Tile(0));
-                Part { rows, columns, power: probability(rows, columns), node: nodes.len() - 1 }
+                nodes.push(TileNode::Tile(0));
+                SkyPart { rows, columns, power: probability(rows, columns), node: nodes.len() - 1 }
             });
             nodes[part.node] =
-                Node::Split { by_rows, at: at as u32, parts: halves.map(|half| half.node as u32) };
+                TileNode::Split { by_rows, at: at as u32, parts: halves.map(|half| half.node as u32) };
             parts.extend(halves);
         }
         let mut cumulative = vec![0.0];
@@ -98,7 +98,7 @@ impl SkyTiles {
         let sum: f64 = parts.iter().map(|part| part.power).sum();
         let mut below = 0.0;
         for part in &parts {
-            nodes[part.node] = Node::Tile(tiles.len() as u32);
+            nodes[part.node] = TileNode::Tile(tiles.len() as u32);
             below += part.power;
             cumulative.push((below / sum).min(1.0));
             tiles.push(tile((width, height), part, part.power / sum));
@@ -120,8 +120,8 @@ impl SkyTiles {
         let mut node = 0;
         loop {
             match self.nodes[node] {
-                Node::Tile(index) => return (index, &self.tiles[index as usize]),
-                Node::Split { by_rows, at, parts: [before, beyond] } => {
+                TileNode::Tile(index) => return (index, &self.tiles[index as usize]),
+                TileNode::Split { by_rows, at, parts: [before, beyond] } => {
                     let is_before = (if by_rows { row } else { column }) < at as usize;
                     node = (if is_before { before } else { beyond }) as usize;
                 }
@@ -131,7 +131,7 @@ impl SkyTiles {
 }
 
 /// Angles that a part spans along and across its circle of latitude, radians.
-fn angles((width, height): (usize, usize), part: &Part) -> [f64; 2] {
+fn angles((width, height): (usize, usize), part: &SkyPart) -> [f64; 2] {
     let [top, bottom] = part.rows.map(|row| PI * row as f64 / height as f64);
     // Where the circles of latitude are longest.
     let widest =
@@ -140,7 +140,7 @@ fn angles((width, height): (usize, usize), part: &Part) -> [f64; 2] {
 }
 
 /// The tile of a part.
-fn tile((width, height): (usize, usize), part: &Part, pmf: f64) -> SkyTile {
+fn tile((width, height): (usize, usize), part: &SkyPart, pmf: f64) -> SkyTile {
     let middle = |[low, high]: [usize; 2]| 0.5 * (low as f64 + high as f64);
     let polar = PI * middle(part.rows) / height as f64;
     let longitude = TAU * (middle(part.columns) / width as f64 - 0.5);

@@ -143,21 +143,19 @@ impl<F: IndexField> FieldAim<F> {
         (!is_known).then_some(found)
     }
 
-    /// All rays that miss their target by no more than `enough`, as far as they are found: along the ways, and from as
-    /// many directions as `others` gives.
+    /// All rays within `limits`, as far as they are found: along the ways, and from as many directions as `others` gives.
     pub fn images(
         &self,
         control: &FieldControl,
         (x, target): (DVec3, FieldTarget),
         others: impl Iterator<Item = DVec3>,
-        enough: f64,
+        limits: JoinLimits,
     ) -> Vec<FieldConnection> {
-        let limits = JoinLimits { enough, linear: 0.0, corrections: CORRECTIONS };
         let guesses = self.ways(x, target).filter_map(|(way, _)| self.guess(x, target, way));
         let mut images: Vec<FieldConnection> = Vec::new();
         for guess in guesses.chain(others) {
             if let Some(found) = join_in_field(&self.field, control, (x, guess), target, limits)
-                && images.iter().all(|known| !is_same(known, &found, enough))
+                && images.iter().all(|known| !is_same(known, &found, limits.enough))
             {
                 images.push(found);
             }

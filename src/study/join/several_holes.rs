@@ -11,8 +11,8 @@ use super::super::table::number_cell;
 use super::form::{JoinForm, Joints, PointPair, X, Y};
 use super::lens_cache::LensCache;
 use crate::geodesic::{
-    Dop853, FieldConnection, FieldControl, FieldEnd, FieldRays, FieldTarget, alone, elapsed_in_field,
-    follow_field,
+    Dop853, FieldConnection, FieldControl, FieldEnd, FieldRays, FieldTarget, JoinLimits, alone,
+    elapsed_in_field, follow_field,
 };
 use crate::light::FieldAim;
 use crate::scene::Precision;
@@ -60,6 +60,10 @@ struct FieldJoint {
 const TOLERANCE: f64 = 1e-13;
 /// Distance by which a ray may miss its point, relative to that of the points.
 const ENOUGH: f64 = 1e-12;
+/// Correction of a direction, radians, that is taken without another look: what it leaves is its square.
+const LINEAR: f64 = 1e-10;
+/// Corrections of a direction at most.
+const CORRECTIONS: u32 = 20;
 /// Directions over the sphere from which rays are looked for, beside those that each hole suggests.
 const DIRECTIONS: u32 = 100;
 /// Radius of the sphere at whose edge a ray is timed, relative to the distance of its points.
@@ -84,9 +88,10 @@ fn join(_: &LensCache, pair: &PointPair, max_winding: u32) -> Result<Joints, Inp
     let field = SeveralHoles::new(&holes);
     let control = FieldControl::new(&field, 0.0, TOLERANCE, f64::INFINITY);
     let enough = ENOUGH * pair.x.distance(pair.y);
+    let limits = JoinLimits { enough, linear: LINEAR, corrections: CORRECTIONS };
     let ends = (pair.x, FieldTarget::Place(pair.y));
     let aim = FieldAim::new(field.clone(), max_winding);
-    let images = aim.images(&control, ends, (0..DIRECTIONS).map(evenly), enough);
+    let images = aim.images(&control, ends, (0..DIRECTIONS).map(evenly), limits);
     let mut found: Vec<FieldJoint> =
         images.iter().filter_map(|image| joint(&field, &control, pair, image)).collect();
     found.sort_by(|one, other| one.time.total_cmp(&other.time));

