@@ -223,13 +223,11 @@ impl Emitter {
                 let normal = (b - a).cross(c - a).try_normalize()?;
                 if let Some((triangle, x)) = seen_triangle(&corners, view) {
                     let direction = triangle.sample(u, v);
-                    let position = x + (a - x).dot(normal) / direction.dot(normal) * direction;
-                    let density = self.density(view, position, normal);
-                    return (position.is_finite() && density > 0.0).then_some(Spot {
-                        position,
-                        normal,
-                        density,
-                    });
+                    let offset = (a - x).dot(normal) / direction.dot(normal) * direction;
+                    let density = triangle.density(offset, normal);
+                    let position = x + offset;
+                    let is_usable = position.is_finite() && density > 0.0;
+                    return is_usable.then_some(Spot { position, normal, density });
                 }
                 // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
                 let (u, v) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
@@ -247,11 +245,7 @@ impl Emitter {
             Form::Cap(..) => 0.0,
             Form::Whole(Shape::Sphere(sphere)) => sphere_density(&sphere, view, normal),
             Form::Whole(Shape::Triangle(corners)) => match seen_triangle(&corners, view) {
-                Some((triangle, x)) => {
-                    let offset = position - x;
-                    let square = offset.length_squared();
-                    offset.dot(normal).abs() / (square * square.sqrt() * triangle.solid_angle)
-                }
+                Some((triangle, x)) => triangle.density(position - x, normal),
                 None => 1.0 / Shape::Triangle(corners).area(),
             },
             Form::Whole(Shape::Disk(disk)) => 1.0 / Shape::Disk(disk).area(),

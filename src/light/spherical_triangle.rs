@@ -15,7 +15,7 @@ pub struct SphericalTriangle {
     /// Sine and cosine of the angle at the first corner.
     angle: (f64, f64),
     /// Solid angle, steradian.
-    pub solid_angle: f64,
+    solid_angle: f64,
 }
 
 /// Area over squared distance from which on points even in solid angle are worth their time: from further away they are
@@ -58,6 +58,12 @@ impl SphericalTriangle {
         let along = ((q * t - p * s) * cos - q) / ((q * s + p * t) * sin);
         let d = towards(a, c, along.clamp(-1.0, 1.0));
         towards(b, d, 1.0 - v * (1.0 - d.dot(b)))
+    }
+
+    /// Density over the area, with this unit normal, of the direction to a point at this offset.
+    pub fn density(&self, offset: DVec3, normal: DVec3) -> f64 {
+        let square = offset.length_squared();
+        offset.dot(normal).abs() / (square * square.sqrt() * self.solid_angle)
     }
 }
 
