@@ -20,7 +20,7 @@ pub struct SphericalTriangle {
 
 /// Area over squared distance from which on points even in solid angle are worth their time: from further away they are
 /// nearly those that are even over the area.
-const NEAR: f64 = 0.03;
+const NEAR: f64 = 0.1;
 /// Solid angles of triangles that are not seen from within or close to their planes.
 const SEEN: Range<f64> = 1e-3..6.22;
 

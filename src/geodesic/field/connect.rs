@@ -64,7 +64,7 @@ const MOST_HALVINGS: u32 = 3;
 /// Largest correction, radians.
 const LARGEST: f64 = 0.5;
 /// Steps of a shot at most.
-const MOST_STEPS: u32 = 1000;
+const MOST_STEPS: u32 = 4000;
 /// Improvements of the point at which a ray is nearest to its target, and how near that is enough, relative to the distance
 /// from the start.
 const MOST_IMPROVEMENTS: u32 = 6;

@@ -56,8 +56,8 @@ struct FieldJoint {
     sens: f64,
 }
 
-/// Error of directions, radians: rounding.
-const TOLERANCE: f64 = 1e-13;
+/// Error of directions, radians.
+const TOLERANCE: f64 = 1e-12;
 /// Distance by which a ray may miss its point, relative to that of the points.
 const ENOUGH: f64 = 1e-12;
 /// Correction of a direction, radians, that is taken without another look: what it leaves is its square.
