@@ -53,8 +53,8 @@ fn the_rays_of_the_exact_table_join_their_ends() {
     println!("{} of {} missed: {missed:?}; directions, times: {worst:?}", missed.len(), escaped.len());
     let is_plain = |id: &&&str| escaped.iter().any(|row| row.text("id") == **id && row.number("sens") < 30.0);
     let plain = missed.iter().filter(is_plain).count();
-    // Most of the others graze photon spheres, where rays of one winding number lie close together.
-    assert!(plain <= 2 && missed.len() * 4 <= escaped.len(), "{plain} of {missed:?}");
+    // The others wind more than once, or about several holes.
+    assert!(plain <= 1 && missed.len() * 10 <= 3 * escaped.len(), "{plain} of {missed:?}");
 }
 
 #[test]

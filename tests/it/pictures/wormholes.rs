@@ -111,12 +111,12 @@ fn rooms(random: &mut Random, number: u64, is_ellis: bool) -> Baked {
 
 #[test]
 fn rooms_with_wormholes_look_the_same_with_and_without_light_sampling() {
-    for (is_ellis, count) in [(true, 12), (false, 6)] {
+    for (is_ellis, count, spp) in [(true, 12, 128), (false, 6, 256)] {
         let mut squares = 0.0;
         for number in 0..count {
             let mut scene = rooms(&mut Random::new(700 + number), number, is_ellis);
-            let with = picture(&mut scene, Geodesic, 32, 2 * number + 1);
-            let without = picture(&mut scene, Off, 128, 2 * number);
+            let with = picture(&mut scene, Geodesic, spp / 4, 2 * number + 1);
+            let without = picture(&mut scene, Off, spp, 2 * number);
             let agreement = Agreement::of(&with, &without);
             agreement.check(&format!("{number}, Ellis {is_ellis}"));
             squares += agreement.z.powi(2);
