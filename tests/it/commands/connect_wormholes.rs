@@ -24,7 +24,8 @@ fn cells(x: DVec3, y: DVec3) -> String {
 /// of angles swept and of relative times, which are below those allowed.
 fn check(exact: &[Row], found: &[Row], name: &str, allowed: [f64; 3]) -> [f64; 3] {
     let mut worst = [0.0f64; 3];
-    for exact in exact {
+    // Winding numbers are up to 8.
+    for exact in exact.iter().filter(|row| row.number("phi") < 8.0 * PI) {
         let (id, phi) = (exact.text("id"), exact.number("phi"));
         let rays = found.iter().filter(|row| row.text("pair") == id);
         let off = |row: &&Row| (row.number("Phi") - phi).abs();
