@@ -107,8 +107,9 @@ fn rooms_with_several_holes_or_lenses_look_the_same_to_a_few_permille() {
 
 #[test]
 fn a_point_light_among_several_holes_lights_as_a_tiny_sphere_does() {
-    // Behind the camera, which does not see the sphere. What regions miss of it chance finds in so few samples, and then so
-    // brightly, that pictures with one of them say nothing: there is none in these.
+    // Behind the camera, which does not see the sphere. What neither regions nor connections find is not compared: of the
+    // sphere chance finds it in so few samples, and then so brightly, that these seeds are chosen to have none of them. It is
+    // not little: with 2048 samples a ball of radius 0.15 and the same power lights the room 15 % more than the point.
     let (place, radius) = (DVec3::new(5.3, 5.3, 4.0), 0.02);
     let mut scene = grey_room("");
     put_holes(&mut scene, &HOLES);
