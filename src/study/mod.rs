@@ -4,6 +4,7 @@
 #![doc = include_str!("columns.md")]
 
 pub mod bench;
+mod by_family;
 pub(crate) mod camera_rays;
 pub mod compare;
 mod errors;

@@ -48,6 +48,29 @@ pub(super) const WEAK_RULE: usize = 1;
 /// Least angle swept by the straight line, radians: below, rounding weighs more than the tolerances that terms allow.
 const SHORTEST: f64 = 1e-8;
 
+/// Calls a closure for each term, written out: only straight-line code runs lane beside lane.
+macro_rules! each_term {
+    ($add:ident) => {
+        const { assert!(TERMS == 16, "write out all terms") };
+        $add(0);
+        $add(1);
+        $add(2);
+        $add(3);
+        $add(4);
+        $add(5);
+        $add(6);
+        $add(7);
+        $add(8);
+        $add(9);
+        $add(10);
+        $add(11);
+        $add(12);
+        $add(13);
+        $add(14);
+        $add(15);
+    };
+}
+
 impl WeakBending {
     /// Fits `stretch`, κ as a function of b_c/B, to a relative `tolerance`; `None` if that takes more terms.
     pub(super) fn fit(critical: f64, tolerance: f64, stretch: impl Fn(f64) -> f64) -> Option<Self> {
@@ -95,24 +118,7 @@ impl WeakBending {
             at_near += self.terms[i] * near_power;
             at_far += self.terms[i] * far_power;
         };
-        // Written out, to be straight-line code.
-        const { assert!(TERMS == 16, "write out all terms") };
-        add(0);
-        add(1);
-        add(2);
-        add(3);
-        add(4);
-        add(5);
-        add(6);
-        add(7);
-        add(8);
-        add(9);
-        add(10);
-        add(11);
-        add(12);
-        add(13);
-        add(14);
-        add(15);
+        each_term!(add);
         let bend = Bend { excess, by_m, at_ends: [at_near, at_far] };
         Some(bend)
     }
@@ -165,23 +171,7 @@ impl WeakBending {
             half += self.terms[i] * (0.5 / k) * integral;
             power *= share;
         };
-        // Written out: only straight-line code runs lane beside lane.
-        add(0);
-        add(1);
-        add(2);
-        add(3);
-        add(4);
-        add(5);
-        add(6);
-        add(7);
-        add(8);
-        add(9);
-        add(10);
-        add(11);
-        add(12);
-        add(13);
-        add(14);
-        add(15);
+        each_term!(add);
         let (sinc, c) = small_sinc_cos(half);
         let s = half * sinc;
         let (sin_bend, versine) = (2.0 * s * c, 2.0 * s * s);

@@ -37,6 +37,13 @@ fn lamps(place: DVec3, size: f64) -> Baked {
     scene_with(&text, &[("lamp.obj", &rectangle(place, size * DVec3::X, size * DVec3::Y))])
 }
 
+/// Probability of drawn directions, one of them the `first`, with a density: by cells as fine as their region.
+fn chance_of(directions: &[Option<DVec3>], first: DVec3, density: impl Fn(DVec3) -> f64) -> f64 {
+    let spread = directions.iter().flatten().map(|direction| 0.25 * direction.distance_squared(first));
+    let cells = Directions { near: 0.1 * spread.fold(0.0, f64::max), ..Directions::even(first) };
+    cells.probability(directions.iter().copied(), density)
+}
+
 #[test]
 fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
     let (mut random, mut verdict, mut seen) = (Random::new(1), Verdict::default(), 0);
@@ -86,13 +93,8 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
             if number % 2 == 1 {
                 continue;
             }
-            // Cells as fine as the region.
-            let spread =
-                mine.iter().flatten().map(|sample| 0.25 * sample.direction.distance_squared(first.direction));
-            let spread = spread.fold(0.0, f64::max);
-            let directions = Directions { near: 0.1 * spread, ..Directions::even(first.direction) };
-            let chance =
-                directions.probability(mine.iter().map(|sample| Some(sample.as_ref()?.direction)), density);
+            let directions: Vec<_> = mine.iter().map(|sample| Some(sample.as_ref()?.direction)).collect();
+            let chance = chance_of(&directions, first.direction, density);
             verdict.add(format!("{number}, a = {a}, {:?}", emitter.form), chance);
         }
     }
@@ -148,12 +150,8 @@ fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
             assert!(error.abs() < 1e-9, "{number}: {said} is not {}", density(sample.direction));
         }
         if number % 2 == 0 {
-            let spread =
-                mine.iter().flatten().map(|sample| 0.25 * sample.direction.distance_squared(first.direction));
-            let spread = spread.fold(0.0, f64::max);
-            let directions = Directions { near: 0.1 * spread, ..Directions::even(first.direction) };
-            let chance =
-                directions.probability(mine.iter().map(|sample| Some(sample.as_ref()?.direction)), density);
+            let directions: Vec<_> = mine.iter().map(|sample| Some(sample.as_ref()?.direction)).collect();
+            let chance = chance_of(&directions, first.direction, density);
             verdict.add(format!("{number}, a = {a}"), chance);
         }
     }
