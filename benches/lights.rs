@@ -90,7 +90,13 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
     let scene = scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(SCENE), &[]).expect(SCENE);
     let mut random = random();
     let sampler = sampler(scene.spacetime.clone());
-    let lights = Lights::new(&scene.geometry, &scene.materials, &scene.environment, &scene.punctual, 0.0);
+    let lights = Lights::new(
+        &scene.geometry,
+        (&scene.materials, &scene.textures),
+        &scene.environment,
+        &scene.punctual,
+        0.0,
+    );
     let places = landings(&scene, &mut random);
     let numbers: Vec<[f64; 2]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {

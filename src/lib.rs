@@ -67,7 +67,7 @@
 //!
 //! Data flows one way: files → [`scene`] world → baked tables → [`trace`] stages → [`film`] → EXR.
 //! Dependencies point one way too:
-//! `cli → study → plot → film, trace → scene → asset → light → shade, geometry → geodesic → spacetime → math`; all
+//! `cli → study → plot → film, trace → scene → asset → light → shade → geometry → geodesic → spacetime → math`; all
 //! that says something uses `text`.
 //!
 #![doc = include_str!("paper.md")]

@@ -8,7 +8,6 @@ mod files;
 mod flaw;
 mod gltf;
 mod image;
-mod mean_color;
 mod memory;
 mod model;
 mod mtl;
@@ -16,6 +15,7 @@ mod notes;
 mod obj;
 mod primaries;
 mod statements;
+mod textures;
 mod tidy;
 
 pub use error::AssetError;

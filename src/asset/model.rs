@@ -4,7 +4,7 @@ use glam::DAffine3;
 
 use crate::geometry::Mesh;
 use crate::light::Punctual;
-use crate::shade::Material;
+use crate::shade::{Material, Texture};
 
 /// Content of an OBJ or glTF file.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +13,8 @@ pub struct Model {
     pub meshes: Vec<Mesh>,
     /// Materials.
     pub materials: Vec<Material>,
+    /// Textures, as the maps of materials number them.
+    pub textures: Vec<Texture>,
     /// Nodes; a parent comes before its children.
     pub nodes: Vec<ModelNode>,
     /// Features approximated or ignored, one line each.

@@ -5,19 +5,23 @@ use std::fmt::Write;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 
 use super::files::Files;
 use super::flaw::Flaw;
-use super::mean_color::MeanColors;
+use super::image::Encoding;
 use super::notes::Notes;
 use super::statements::{Statement, Statements};
-use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror};
+use super::textures::TextureTable;
+use crate::shade::{
+    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, Texture, TextureId, UvTransform,
+    Wrap,
+};
 use crate::text;
 
 /// Albedo of a material that does not say.
 const ALBEDO: f32 = 0.8;
-/// Opacity (`d`) below which a material without `illum` counts as glass.
+/// Opacity (`d`) below which a material without `illum` is glass.
 const GLASS_OPACITY: f32 = 0.5;
 /// Index of refraction of glass that does not say.
 const GLASS_IOR: f32 = 1.5;
@@ -40,7 +44,7 @@ pub(super) struct Libraries {
     short_names: HashMap<String, usize>,
     /// Libraries that were read.
     read: HashSet<PathBuf>,
-    pictures: MeanColors<PathBuf>,
+    pictures: TextureTable<PathBuf>,
 }
 
 impl Libraries {
@@ -61,6 +65,16 @@ impl Libraries {
         }
     }
 
+    /// Takes the materials, and the textures that their maps number.
+    pub fn take(&mut self) -> (Vec<Material>, Vec<Texture>) {
+        (std::mem::take(&mut self.materials), std::mem::take(&mut self.pictures).into_textures())
+    }
+
+    /// True if a material has textures.
+    pub fn has_textures(&self) -> bool {
+        self.materials.iter().any(|material| material.textures().next().is_some())
+    }
+
     /// The material of a name.
     pub fn find(&self, name: &str) -> Option<usize> {
         let short = without_comment(name);
@@ -75,7 +89,7 @@ impl Libraries {
         let (parsed, _) =
             tobj::load_mtl_buf(&mut Cursor::new(library.text)).map_err(std::io::Error::other)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        library.unread.iter().for_each(|map| files.mention(&folder.join(file_name(map))));
+        library.unread.iter().for_each(|map| files.mention(&folder.join(MapStatement::of(map).name)));
         for (material, name) in parsed.iter().zip(library.names) {
             let mut converter =
                 Converter { name: &name, folder, files, pictures: &mut self.pictures, notes: &mut notes };
@@ -178,7 +192,7 @@ impl Screened {
             "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
             "Ns" | "Ni" | "d" => first::<f32>(statement.values()),
             "illum" => first::<u8>(statement.values()),
-            "map_Kd" | "map_Ke" => Some(name.to_owned()).filter(|name| !name.is_empty()),
+            "map_Kd" | "map_Ke" | "map_d" => Some(name.to_owned()).filter(|name| !name.is_empty()),
             _ => {
                 if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
                     self.unread.insert(name.to_owned());
@@ -222,7 +236,7 @@ struct Converter<'a> {
     name: &'a str,
     folder: &'a Path,
     files: &'a Files,
-    pictures: &'a mut MeanColors<PathBuf>,
+    pictures: &'a mut TextureTable<PathBuf>,
     notes: &'a mut Notes,
 }
 
@@ -230,34 +244,54 @@ impl Converter<'_> {
     /// `illum` 4, 6, 7, 9 (or else a low opacity `d`) is a dielectric; 3 and 5 are a mirror of `Ks` unless it is black;
     /// the rest is diffuse `Kd`.
     fn convert(&mut self, material: &tobj::Material) -> Material {
-        let diffuse = self.tinted("map_Kd", material.diffuse, material.diffuse_texture.as_deref());
         let specular = material.specular.map_or(Vec3::ZERO, Vec3::from);
         let lobe = match material.illumination_model {
             Some(4 | 6 | 7 | 9) => glass(material),
             Some(3 | 5) if specular.cmpgt(Vec3::ZERO).any() => {
                 Lobe::Mirror(Mirror { reflectance: self.unit(specular) })
             }
-            _ if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
-            _ => Lobe::Diffuse(Diffuse { albedo: self.unit(diffuse.unwrap_or(Vec3::splat(ALBEDO))) }),
+            None if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
+            _ => return self.diffuse(material),
         };
-        let map = material.unknown_param.get("map_Ke").map(String::as_str);
-        let emission = self.tinted("map_Ke", material.emissive, map).unwrap_or(Vec3::ZERO);
-        Material { lobe, emission: self.bounded(emission), ..Material::default() }
+        let (emission, emission_map) = self.emission(material);
+        let maps = Maps { emission: emission_map, ..Maps::default() };
+        Material { lobe, emission, maps, ..Material::default() }
     }
 
-    /// A colour times the mean of a picture; either may be missing.
-    fn tinted(&mut self, keyword: &str, colour: Option<[f32; 3]>, map: Option<&str>) -> Option<Vec3> {
-        let colour = colour.map(Vec3::from);
-        let mean = map.and_then(|map| self.mean(keyword, map));
-        match (colour, mean) {
-            (Some(colour), Some(mean)) => Some(colour * mean),
-            (colour, mean) => colour.or(mean),
-        }
+    fn diffuse(&mut self, material: &tobj::Material) -> Material {
+        let base_color =
+            material.diffuse_texture.as_deref().and_then(|map| self.texture("map_Kd", Encoding::Color, map));
+        let usual = if base_color.is_some() { 1.0 } else { ALBEDO };
+        let albedo = self.unit(material.diffuse.map_or(Vec3::splat(usual), Vec3::from));
+        let (emission, emission_map) = self.emission(material);
+        let maps = Maps { base_color, emission: emission_map, ..Maps::default() };
+        let opacity = self.opacity(material);
+        Material { lobe: Lobe::Diffuse(Diffuse { albedo }), emission, maps, opacity, ..Material::default() }
     }
 
-    fn mean(&mut self, keyword: &str, map: &str) -> Option<Vec3> {
-        let name = file_name(map);
-        if map.split_whitespace().any(|word| word == "-mm") {
+    /// Emission and its texture; either may be missing.
+    fn emission(&mut self, material: &tobj::Material) -> (Vec3, Option<TextureId>) {
+        let map =
+            material.unknown_param.get("map_Ke").and_then(|map| self.texture("map_Ke", Encoding::Color, map));
+        let usual = if map.is_some() { Vec3::ONE } else { Vec3::ZERO };
+        let emission = self.bounded(material.emissive.map_or(usual, Vec3::from));
+        (emission, map.filter(|_| emission != Vec3::ZERO))
+    }
+
+    /// Opacity `d` and `map_d`: the picture's own, or else its grey.
+    fn opacity(&mut self, material: &tobj::Material) -> Option<Opacity> {
+        let map = material.dissolve_texture.as_deref();
+        let map = map.and_then(|map| self.texture("map_d", Encoding::Data, map));
+        let channel =
+            |map: TextureId| if self.pictures.has_alpha(map) { Channel::Alpha } else { Channel::Red };
+        let factor = material.dissolve.map_or(1.0, |d| if d.is_nan() { 1.0 } else { d.clamp(0.0, 1.0) });
+        let map = map.map(|map| (map, channel(map)));
+        Some(Opacity { factor, map, by_vertices: false, cutoff: None }).filter(Opacity::lets_through)
+    }
+
+    fn texture(&mut self, keyword: &str, encoding: Encoding, map: &str) -> Option<TextureId> {
+        let MapStatement { name, scale, offset, wrap, has_gain } = MapStatement::of(map);
+        if has_gain {
             self.notes.add(format!("`-mm` of `{keyword}` is ignored, in material"), self.name);
         }
         let path = find(self.folder, name);
@@ -265,10 +299,13 @@ impl Converter<'_> {
             let unread = |error| Flaw::new(format!("cannot be read: {error}"), "");
             self.files.read(&path).map_err(unread)
         };
-        match self.pictures.of(path.clone(), &self.files.memory(), read) {
-            Ok(mean) => {
-                self.notes.add(format!("`{keyword}` is replaced by its mean colour, in material"), self.name);
-                Some(mean)
+        match self.pictures.image(path.clone(), encoding, &self.files.memory(), read) {
+            Ok(image) => {
+                // Those of the mesh count from the upper left corner, those of the statement from the lower left one.
+                let offset = DVec2::new(offset.x, 1.0 - scale.y - offset.y);
+                let transform = UvTransform::new(scale, 0.0, offset);
+                let texture = Texture { image, uv_set: 0, transform, wrap: [wrap; 2], is_nearest: false };
+                Some(self.pictures.add(texture))
             }
             Err(problem) => {
                 let kind = format!("pictures of `{keyword}` that cannot be used are ignored");
@@ -305,27 +342,55 @@ fn glass(material: &tobj::Material) -> Lobe {
     Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE })
 }
 
-/// The file name behind the options of a map statement, on which but for `-mm` a mean colour does not depend.
-fn file_name(map: &str) -> &str {
-    let mut rest = map.trim();
-    while let Some((option, after)) = rest.split_once(char::is_whitespace) {
-        let most = match option {
-            "-o" | "-s" | "-t" => 3,
-            "-mm" => 2,
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-texres" | "-bm" | "-boost"
-            | "-type" => 1,
-            _ => break,
-        };
-        rest = after.trim_start();
-        for taken in 0..most {
-            let Some((value, after)) = rest.split_once(char::is_whitespace) else { break };
-            if taken > 0 && value.parse::<f32>().is_err() {
-                break;
+/// A statement that names a picture.
+struct MapStatement<'a> {
+    /// Name of the file.
+    name: &'a str,
+    /// Factors on texture coordinates (`-s`), and what is added to them (`-o`).
+    scale: DVec2,
+    offset: DVec2,
+    /// Wrapping (`-clamp`).
+    wrap: Wrap,
+    /// True if `-mm` changes the picture's values.
+    has_gain: bool,
+}
+
+impl<'a> MapStatement<'a> {
+    fn of(map: &'a str) -> Self {
+        let (scale, offset, wrap) = (DVec2::ONE, DVec2::ZERO, Wrap::Repeat);
+        let mut statement = Self { name: map.trim(), scale, offset, wrap, has_gain: false };
+        while let Some((option, after)) = statement.name.split_once(char::is_whitespace) {
+            let most = match option {
+                "-o" | "-s" | "-t" => 3,
+                "-mm" => 2,
+                "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-texres" | "-bm" | "-boost"
+                | "-type" => 1,
+                _ => break,
+            };
+            statement.name = after.trim_start();
+            for taken in 0..most {
+                let Some((value, after)) = statement.name.split_once(char::is_whitespace) else { break };
+                let number = value.parse::<f64>().ok();
+                if taken > 0 && number.is_none() {
+                    break;
+                }
+                statement.name = after.trim_start();
+                statement.take(option, taken, value, number);
             }
-            rest = after.trim_start();
+        }
+        statement
+    }
+
+    /// Takes a value of an option.
+    fn take(&mut self, option: &str, place: usize, value: &str, number: Option<f64>) {
+        match (option, number.filter(|_| place < 2)) {
+            ("-s", Some(number)) => self.scale[place] = number,
+            ("-o", Some(number)) => self.offset[place] = number,
+            ("-clamp", _) if value == "on" => self.wrap = Wrap::Clamp,
+            ("-mm", _) => self.has_gain = true,
+            _ => {}
         }
     }
-    rest
 }
 
 #[cfg(test)]
@@ -439,20 +504,31 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_counts_as_its_mean_colour_times_kd_or_ke() {
+    fn a_picture_is_a_factor_on_kd_or_ke_moved_as_its_options_say() {
         let (materials, warnings) = convert_text(
-            "newmtl a\nKd 1 1 .5\nmap_Kd -s 1 1 1 -o 0 0 -clamp on tex\\e 1.png\n\
-             newmtl b\nKd 0 0 0\nKe 64 64 64\nmap_Ke tex/e 1.png\nmap_Kd C:\\gone\\x.png\nnewmtl c\nmap_Kd tex/e 1.png\n",
+            "newmtl a\nKd 1 1 .5\nmap_Kd -s 2 3 1 -o 0.5 0.25 -clamp on tex\\e 1.png\n\
+             newmtl b\nKd 0 0 0\nKe 64 64 64\nmap_Ke tex/e 1.png\nmap_Kd C:\\gone\\x.png\nnewmtl c\nmap_Kd tex/e 1.png\n\
+             newmtl d\nmap_Ke tex/e 1.png\nmap_Kd -mm 0 2 tex/e 1.png\n",
         );
-        let mean = 1.0 / 64.0;
-        assert_eq!(materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::new(mean, mean, mean / 2.0) }));
-        assert_eq!(materials[1].emission, Vec3::ONE);
-        assert_eq!(materials[2].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::splat(mean) }));
-        assert_eq!(warnings[0], "a.mtl: `map_Kd` is replaced by its mean colour, in material: a, c");
-        assert!(warnings[1].starts_with(
+        let map =
+            |index: usize| (materials[index].lobe.albedo(), materials[index].emission, materials[index].maps);
+        let maps = |base_color: Option<u32>, emission: Option<u32>| Maps {
+            base_color: base_color.map(TextureId),
+            emission: emission.map(TextureId),
+            ..Maps::default()
+        };
+        assert_eq!(map(0), (Vec3::new(1.0, 1.0, 0.5), Vec3::ZERO, maps(Some(0), None)));
+        assert_eq!(map(1), (Vec3::ZERO, Vec3::splat(64.0), maps(None, Some(1))));
+        assert_eq!(map(2), (Vec3::ONE, Vec3::ZERO, maps(Some(2), None)));
+        assert_eq!(map(3), (Vec3::ONE, Vec3::ONE, maps(Some(3), Some(4))));
+        assert!(warnings[0].starts_with(
             "a.mtl: pictures of `map_Kd` that cannot be used are ignored: C:\\gone\\x.png (cannot be read"
         ));
-        assert_eq!(warnings[2], "a.mtl: `map_Ke` is replaced by its mean colour, in material: b");
+        assert_eq!(warnings[1..], ["a.mtl: `-mm` of `map_Kd` is ignored, in material: d"]);
+        let MapStatement { name, scale, offset, wrap, has_gain } =
+            MapStatement::of(" -s 2 3 1 -o 0.5 0.25 -clamp on tex/e 1.png");
+        assert_eq!((name, scale, offset), ("tex/e 1.png", DVec2::new(2.0, 3.0), DVec2::new(0.5, 0.25)));
+        assert_eq!((wrap, has_gain), (Wrap::Clamp, false));
     }
 
     #[test]

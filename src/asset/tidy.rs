@@ -77,8 +77,8 @@ mod tests {
     fn triangle() -> Mesh {
         Mesh {
             positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            normals: vec![],
             triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
         }
     }
 

@@ -64,9 +64,9 @@ fn given(args: &StudyArgs, path: &Path) -> Result<Reference, Failure> {
 
 /// Refuses a scene in which there is nothing to find.
 fn lit(scene: &Baked, path: &Path) -> Result<(), Failure> {
-    let Baked { geometry, materials, environment, punctual, .. } = scene;
+    let Baked { geometry, materials, textures, environment, punctual, .. } = scene;
     let path = path.display();
-    if Lights::new(geometry, materials, environment, punctual, 0.0).is_empty() {
+    if Lights::new(geometry, (materials, textures), environment, punctual, 0.0).is_empty() {
         return Err(Failure::new(format!("`{path}` has no lights that could be sampled"))
             .help("give a scene with an emission, a light, or a picture as its environment"));
     }

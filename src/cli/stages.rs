@@ -169,6 +169,7 @@ pub(super) mod tests {
             camera,
             geometry: Geometry::build(Primitives::default()),
             materials: vec![Material::default()],
+            textures: Vec::new(),
             entities: Vec::new(),
             punctual: Vec::new(),
             environment: Environment::Constant(Vec3::ONE),

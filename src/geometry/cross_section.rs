@@ -170,8 +170,8 @@ mod tests {
     fn triangles_are_cut_alike_whether_placed_once_or_shared() {
         let mesh = Mesh {
             positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
-            normals: Vec::new(),
             triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
         };
         let placed = |x: f64| {
             let to_world = DAffine3::from_translation(DVec3::new(x, 0.0, 100.0));

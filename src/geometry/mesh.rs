@@ -2,6 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::attributes::Attributes;
+
 /// An indexed triangle mesh with one material, in object space.
 ///
 /// Positions are what the file holds (f32); normals are per vertex and empty when the file has none, in which case
@@ -14,6 +16,8 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Vertex indices of each triangle, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// What else vertices have.
+    pub attributes: Attributes,
 }
 
 /// A placed mesh: several instances may share one mesh.
@@ -40,16 +44,17 @@ impl Mesh {
         Some(corners.iter().zip(weights()).map(|(&index, weight)| weight * normal(index)).sum())
     }
 
-    /// Once triangles are in a hierarchy, only vertex normals and what finds them are still read.
+    /// Once triangles are in a hierarchy, only vertex normals, attributes and what finds them are still read.
     pub(super) fn drop_what_shading_does_not_need(&mut self) {
         self.positions = Vec::new();
-        if self.normals.is_empty() {
+        if self.normals.is_empty() && self.attributes.is_empty() {
             self.triangles = Vec::new();
         }
     }
 
     /// Heap memory, bytes.
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         12 * (self.positions.len() + self.normals.len() + self.triangles.len())
+            + self.attributes.memory_bytes()
     }
 }

@@ -5,6 +5,7 @@
 //!
 #![doc = include_str!("search.md")]
 
+mod attributes;
 mod build;
 mod bvh;
 mod coincident;
@@ -28,6 +29,7 @@ mod small_scene;
 mod sphere;
 mod triangle;
 
+pub use attributes::{Attributes, MeshPoint};
 pub use cross_section::{CrossSection, Plane};
 pub use found::Found;
 pub use line::Line;

@@ -392,12 +392,7 @@ impl Geometry {
                 let Single { instance, first } = self.single(number);
                 let (triangle, corners) = (number - first, self.triangle(primitive.item));
                 let placed = &self.placed[instance as usize];
-                let weights = || {
-                    let (u, v) = corners.barycentrics(point);
-                    // Flattened triangles of mirrored placements were rewound, see `Placing`.
-                    let rewound = placed.to_object.matrix3.determinant() < 0.0;
-                    if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
-                };
+                let weights = || self.single_weights(primitive.item, instance, point);
                 self.triangle_point(placed, triangle, weights, corners.normal().normalize())
             }
             Item::Instance(i) => {
@@ -415,6 +410,14 @@ impl Geometry {
                 self.triangle_point(placed, triangle, weights, normal)
             }
         }
+    }
+
+    /// Barycentric coordinates of a point on the triangle in a slot of the top hierarchy, which is of an instance.
+    pub(super) fn single_weights(&self, slot: u32, instance: u32, point: DVec3) -> [f64; 3] {
+        let (u, v) = self.triangle(slot).barycentrics(point);
+        // Flattened triangles of mirrored placements were rewound, see `Placing`.
+        let rewound = self.placed[instance as usize].to_object.matrix3.determinant() < 0.0;
+        if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
     }
 
     fn triangle_point(

@@ -225,7 +225,7 @@ mod tests {
             let square = |at: u32| [[at, at + 2, at + 3], [at, at + 3, at + 1]];
             let strip = |layer: u32| (0..columns).flat_map(move |x| square(2 * (layer * (columns + 1) + x)));
             let triangles = (0..3).flat_map(strip).collect();
-            let meshes = vec![Mesh { positions, normals: Vec::new(), triangles }];
+            let meshes = vec![Mesh { positions, triangles, ..Mesh::default() }];
             let surface = Surface { material: 0, entity: 0 };
             let instances = vec![(Instance { mesh: 0, to_world: DAffine3::IDENTITY }, surface)];
             let geometry = Geometry::build(Primitives { meshes, instances, ..Primitives::default() });
@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn lines_that_leave_one_of_few_triangles_meet_the_others() {
         let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-        let meshes = vec![Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [1, 3, 2]] }];
+        let meshes = vec![Mesh { positions, triangles: vec![[0, 1, 2], [1, 3, 2]], ..Mesh::default() }];
         let surface = Surface { material: 0, entity: 0 };
         let sphere = Sphere { center: DVec3::new(0.2, 0.2, 2.0), radius: 0.5 };
         let instances = vec![(Instance { mesh: 0, to_world: DAffine3::IDENTITY }, surface)];

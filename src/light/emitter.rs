@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::aim::Approach;
 use super::receiver::Receiver;
+use super::sample::Incoming;
 use super::spherical_triangle::SphericalTriangle;
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
@@ -21,8 +22,10 @@ pub struct Emitter {
     pub primitive: PrimitiveId,
     /// The part of it on which points are chosen.
     pub form: Form,
-    /// Emitted radiance.
+    /// Emitted radiance; the mean if it varies.
     pub radiance: Vec3,
+    /// True if a texture varies it.
+    pub varies: bool,
     /// True if its back emits, too.
     pub both_sides: bool,
 }
@@ -200,6 +203,11 @@ impl Emitter {
             None => cos > 0.0,
         };
         (cos > 0.0) == is_front && cos != 0.0 && (is_front || self.both_sides)
+    }
+
+    /// Light from it in a direction of a density.
+    pub fn incoming(&self, density: f64) -> Incoming {
+        if self.varies { Incoming::Seen(density) } else { Incoming::Radiance(self.radiance, density) }
     }
 
     /// A point, from two numbers in [0, 1).

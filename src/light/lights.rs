@@ -3,22 +3,26 @@
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::emitter::{Cap, Emitter, Form};
+use super::mean_radiance::mean_radiance;
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sky::Sky;
 use super::tree::{Emission, Tree};
 use crate::geometry::{Geometry, PrimitiveId, Shape};
 use crate::math::rescale::rescale;
-use crate::shade::{Environment, Material};
+use crate::shade::{Environment, Material, Texture};
 use crate::spacetime::{AtInfinity, Mouths, Side};
 
 /// All light that can be sampled.
 pub struct Lights {
     /// Surfaces.
     emitters: Vec<Emitter>,
+    /// True if the radiance of some varies.
+    some_vary: bool,
     /// Index of the emitter that a primitive is.
     by_primitive: HashMap<PrimitiveId, u32>,
     /// Punctual lights in the world, with their sides.
@@ -77,7 +81,7 @@ impl Lights {
     /// 0 where rays are straight.
     pub fn new(
         geometry: &Geometry,
-        materials: &[Material],
+        (materials, textures): (&[Material], &[Texture]),
         environment: &Environment,
         punctual: &[Punctual],
         floor: f64,
@@ -85,18 +89,26 @@ impl Lights {
         let material = |surface: u32| &materials[surface as usize];
         let shapes = geometry.shapes(|surface| material(surface.material).emits());
         let emitters: Vec<Emitter> = shapes
-            .into_iter()
+            .into_par_iter()
             .map(|(primitive, shape, surface)| {
-                let &Material { emission, emits_both_sides, .. } = material(surface.material);
-                let form = Form::Whole(shape);
-                Emitter { primitive, form, radiance: emission, both_sides: emits_both_sides }
+                let material = material(surface.material);
+                let varies = material.maps.emission.is_some();
+                let radiance = if varies {
+                    mean_radiance(geometry, (material, textures), primitive, &shape)
+                } else {
+                    material.emission
+                };
+                let (form, both_sides) = (Form::Whole(shape), material.emits_both_sides);
+                Emitter { primitive, form, radiance, varies, both_sides }
             })
+            .filter(|emitter| emitter.radiance != Vec3::ZERO)
             .collect();
+        let some_vary = emitters.iter().any(|emitter| emitter.varies);
         let (by_primitive, tree, far_tree) = (HashMap::new(), Tree::default(), Tree::default());
         let (points, distant, skies) = (Vec::new(), Vec::new(), Vec::new());
         let throat = None;
         let mut lights =
-            Self { emitters, by_primitive, points, distant, skies, tree, far_tree, throat, floor };
+            Self { emitters, some_vary, by_primitive, points, distant, skies, tree, far_tree, throat, floor };
         lights.add(Side::Near, environment, punctual);
         lights.build_tree();
         let indices = lights.emitters.iter().zip(0..);
@@ -179,6 +191,12 @@ impl Lights {
         if has_changed {
             self.build_tree();
         }
+    }
+
+    /// True if a primitive is an emitter whose radiance varies.
+    #[inline]
+    pub fn varies(&self, primitive: PrimitiveId) -> bool {
+        self.some_vary && self.emitter(primitive).is_some_and(|(emitter, _)| emitter.varies)
     }
 
     /// True if there is nothing to sample.

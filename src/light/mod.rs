@@ -15,6 +15,7 @@ mod emitter;
 mod field_regions;
 mod guide;
 mod lights;
+mod mean_radiance;
 mod mis;
 mod punctual;
 mod receiver;

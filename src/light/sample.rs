@@ -41,7 +41,7 @@ pub enum Incoming {
     Radiance(Vec3, f64),
     /// Radiance of the sky at a point at infinity, and the density of the direction here in solid angle.
     Sky(AtInfinity, f64),
-    /// What the ray sees of the sky where it ends, and the density of its direction in solid angle.
+    /// What the ray sees where it ends, of the sky or of a textured surface, and the density of its direction in solid angle.
     Seen(f64),
     /// Irradiance of a punctual light on a surface that faces it, divided by the probability of the sample.
     Irradiance(Vec3),

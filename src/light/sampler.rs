@@ -139,7 +139,7 @@ fn sample_emitter<A: Aim>(
     Some(LightSample {
         direction: link.direction,
         target: Target::Surface(emitter.primitive, spot.position),
-        light: Incoming::Radiance(emitter.radiance, density),
+        light: emitter.incoming(density),
     })
 }
 
@@ -170,7 +170,7 @@ pub(super) fn region_sample(emitter: &Emitter, direction: DVec3, density: f64) -
     LightSample {
         direction,
         target: Target::Surface(emitter.primitive, emitter.middle()),
-        light: Incoming::Radiance(emitter.radiance, density),
+        light: emitter.incoming(density),
     }
 }
 

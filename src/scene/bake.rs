@@ -84,6 +84,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry,
         materials: world.materials,
+        textures: world.textures,
         punctual,
         environment: world.environment,
         far: FarLights { punctual: far_punctual, environment: world.far_environment },

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Camera, Settings};
 use crate::geometry::{Geometry, Primitives};
 use crate::light::Punctual;
-use crate::shade::{Environment, Material};
+use crate::shade::{Environment, Material, Texture};
 use crate::spacetime::{Side, SpacetimeKind};
 
 /// A scene, baked.
@@ -18,6 +18,8 @@ pub struct Baked {
     pub geometry: Geometry,
     /// Materials, indexed by [`crate::geometry::Surface::material`].
     pub materials: Vec<Material>,
+    /// Textures, indexed by [`crate::shade::TextureId`].
+    pub textures: Vec<Texture>,
     /// Entity names, indexed by [`crate::geometry::Surface::entity`].
     pub entities: Vec<String>,
     /// Punctual lights, in the order of the scene.
@@ -100,6 +102,7 @@ impl Default for Baked {
             camera,
             geometry: Geometry::build(Primitives::default()),
             materials: Vec::new(),
+            textures: Vec::new(),
             entities: Vec::new(),
             punctual: Vec::new(),
             environment: Environment::Black,

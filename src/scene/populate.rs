@@ -23,7 +23,7 @@ use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
-use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Material, Mirror};
+use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Maps, Material, Mirror};
 use crate::spacetime::{Entry, Listed, Parameter, Placement, Range, Side, SpacetimeKind};
 
 /// Albedo of a diffuse material that does not say.
@@ -364,6 +364,8 @@ fn material(table: &MaterialTable) -> Result<Material, Fault> {
         },
         emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
         emits_both_sides: table.emits != Some(EmittingSides::Front),
+        maps: Maps::default(),
+        opacity: None,
     })
 }
 
@@ -503,7 +505,7 @@ fn own_material(world: &mut World, overrides: ModelOverrides) -> MaterialHandle 
         ModelOverrides { material: Some(handle), emission: None, .. } => handle,
         ModelOverrides { material, emission, .. } => {
             let base = material.map_or_else(Material::default, |handle| world.material(handle));
-            world.add_material(Material { emission: emission.unwrap_or(base.emission), ..base })
+            world.add_material(emission.map_or(base, |emission| base.emitting(emission)))
         }
     }
 }

@@ -134,7 +134,8 @@ fn flat_copy(world: &mut World, mesh: MeshHandle, normal: DVec3) -> MeshHandle {
     };
     let triangles =
         mesh.triangles.iter().filter(|triangle| has_area(triangle.map(corner))).copied().collect();
-    world.meshes.push(Mesh { positions, normals: Vec::new(), triangles });
+    let attributes = mesh.attributes.clone();
+    world.meshes.push(Mesh { positions, normals: Vec::new(), triangles, attributes });
     MeshHandle((world.meshes.len() - 1) as u32)
 }
 

@@ -15,7 +15,7 @@ use super::components::{
 use super::error::Fault;
 use crate::asset::{AssetError, Files, Model, ModelNode, load_gltf, load_obj};
 use crate::geometry::Mesh;
-use crate::shade::{Environment, Material};
+use crate::shade::{Environment, Material, Texture};
 use crate::spacetime::{Side, SpacetimeKind};
 
 /// A scene before it is baked.
@@ -26,6 +26,8 @@ pub(super) struct World {
     pub meshes: Vec<Mesh>,
     /// Materials, by [`MaterialHandle`].
     pub materials: Vec<Material>,
+    /// Textures, as the maps of materials number them.
+    pub textures: Vec<Texture>,
     /// Spacetime.
     pub spacetime: SpacetimeKind,
     /// Light from infinity.
@@ -85,6 +87,7 @@ impl World {
             entities: hecs::World::new(),
             meshes: Vec::new(),
             materials: Vec::new(),
+            textures: Vec::new(),
             spacetime,
             environment,
             far_environment: Environment::Black,
@@ -208,7 +211,7 @@ impl World {
         let base = overrides.material.unwrap_or(own);
         match overrides.emission {
             None => base,
-            Some(emission) => self.add_material(Material { emission, ..self.material(base) }),
+            Some(emission) => self.add_material(self.material(base).emitting(emission)),
         }
     }
 
@@ -218,7 +221,7 @@ impl World {
         format: ModelFormat,
         files: &Files,
     ) -> Result<LoadedModel, AssetError> {
-        let Model { mut meshes, mut materials, nodes, mut warnings } = match format {
+        let Model { mut meshes, mut materials, mut textures, nodes, mut warnings } = match format {
             ModelFormat::Obj => load_obj(path, files)?,
             ModelFormat::Gltf => load_gltf(path, files)?,
         };
@@ -227,6 +230,9 @@ impl World {
             first_mesh: self.meshes.len() as u32,
             first_material: self.materials.len() as u32,
         };
+        let first_texture = self.textures.len() as u32;
+        materials.iter_mut().for_each(|material| *material = material.numbered_from(first_texture));
+        self.textures.append(&mut textures);
         self.meshes.append(&mut meshes);
         self.materials.append(&mut materials);
         self.warnings.append(&mut warnings);

@@ -1,9 +1,11 @@
-//! Material of a surface: one lobe and an emission.
+//! Material of a surface: one lobe and an emission, which textures may vary.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::bsdf::{Diffuse, Lobe};
 use super::media::InterfaceCrossing;
+use super::texture::{Maps, Opacity, Texture, TextureId};
+use crate::geometry::MeshPoint;
 
 /// A material: a lobe and what the surface emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +16,10 @@ pub struct Material {
     pub emission: Vec3,
     /// True if the back of the surface (against its normal) emits as well.
     pub emits_both_sides: bool,
+    /// Textures that are factors on these.
+    pub maps: Maps,
+    /// Opacity; `None` if it is 1 all over.
+    pub opacity: Option<Opacity>,
 }
 
 impl Default for Material {
@@ -23,11 +29,47 @@ impl Default for Material {
             lobe: Lobe::Diffuse(Diffuse { albedo: Vec3::splat(0.8) }),
             emission: Vec3::ZERO,
             emits_both_sides: true,
+            maps: Maps::default(),
+            opacity: None,
         }
     }
 }
 
 impl Material {
+    /// The material at a point of a mesh, seen by a beam of a width, by textures numbered as its maps say.
+    pub fn at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Self {
+        let Maps { base_color, emission, vertex_colors } = self.maps;
+        let factor = |map: Option<TextureId>| match map {
+            Some(TextureId(id)) => textures[id as usize].at(point, width),
+            None => Vec4::ONE,
+        };
+        let tint = factor(base_color) * if vertex_colors { point.color() } else { Vec4::ONE };
+        Self {
+            lobe: self.lobe.tinted(tint.truncate()),
+            emission: self.emission * factor(emission).truncate(),
+            ..*self
+        }
+    }
+
+    /// The same with textures numbered from `first` on.
+    pub fn numbered_from(&self, first: u32) -> Self {
+        let moved = |opacity: Opacity| Opacity {
+            map: opacity.map.map(|(texture, channel)| (texture.plus(first), channel)),
+            ..opacity
+        };
+        Self { maps: self.maps.numbered_from(first), opacity: self.opacity.map(moved), ..*self }
+    }
+
+    /// Textures that it looks at.
+    pub fn textures(&self) -> impl Iterator<Item = TextureId> {
+        self.maps.textures().chain(self.opacity.and_then(|opacity| opacity.map).map(|(texture, _)| texture))
+    }
+
+    /// The same with another emission all over.
+    pub fn emitting(&self, emission: Vec3) -> Self {
+        Self { emission, maps: Maps { emission: None, ..self.maps }, ..*self }
+    }
+
     /// True if the surface emits light at all.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO

@@ -7,6 +7,7 @@ mod material;
 mod media;
 mod sampler;
 mod sobol;
+mod texture;
 
 pub(crate) use bsdf::sample_cosine;
 pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, SortedHits, fresnel};
@@ -15,3 +16,4 @@ pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
+pub use texture::{Channel, Maps, MipImage, Opacity, Raster, Texture, TextureId, UvTransform, Wrap};

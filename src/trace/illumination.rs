@@ -74,8 +74,14 @@ impl Illumination {
             if straight { Box::new(StraightAim) } else { transport.sampler(settings.max_winding)? };
         let floor = if T::IS_STRAIGHT { 0.0 } else { FLOOR };
         let environment = if sampler.samples_sky() { &scene.environment } else { &Environment::Black };
-        let lights = Lights::new(&scene.geometry, &scene.materials, environment, &scene.punctual, floor)
-            .with_far(&scene.far.environment, &scene.far.punctual);
+        let lights = Lights::new(
+            &scene.geometry,
+            (&scene.materials, &scene.textures),
+            environment,
+            &scene.punctual,
+            floor,
+        )
+        .with_far(&scene.far.environment, &scene.far.punctual);
         let lights = match scene.spacetime.wormhole() {
             Some((mouths, metric)) => lights.through(Transmission {
                 mouths,

@@ -2,6 +2,7 @@
 
 use super::halt::Halt;
 use super::illumination::Illumination;
+use super::stages::pass::has_passages;
 use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::{Media, Sampler};
@@ -16,6 +17,8 @@ pub struct Job<'a> {
     pub sampler: Sampler,
     /// Dielectrics around the camera.
     pub media: Media,
+    /// True if there are surfaces that rays may pass through.
+    pub has_passages: bool,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
     /// Interruption and deadline, at which to give up.
@@ -31,6 +34,7 @@ impl<'a> Job<'a> {
         };
         let camera = &scene.camera;
         let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
-        Self { scene, settings, sampler, media, illumination: None, halt }
+        let has_passages = has_passages(scene);
+        Self { scene, settings, sampler, media, has_passages, illumination: None, halt }
     }
 }

@@ -26,6 +26,8 @@ pub struct Path {
     pub slot: u32,
     /// Ray segments so far, the one in flight included.
     pub depth: u32,
+    /// Surfaces so far that it might have passed through.
+    pub looks: u32,
     /// Product of bounce weights.
     pub throughput: Vec3,
     /// Light that it gathers.

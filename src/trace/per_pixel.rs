@@ -9,6 +9,7 @@ use super::stages::escape::escape;
 use super::stages::generate::generate;
 use super::stages::intersect::intersect;
 use super::stages::light::{self, LightRayProgress};
+use super::stages::pass::{behind, passes};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::Counters;
@@ -62,14 +63,18 @@ fn trace_path<T: Transport>(
         );
         if let Some(illumination) = illumination {
             let (progress, arrived) =
-                light::settle(job, illumination, transport, (&flight, &step, found), &vertex);
+                light::settle(job, illumination, transport, (&flight, &step, found), &mut path, &vertex);
             let is_reached = match progress {
                 LightRayProgress::Flying(next) => {
                     flight = next;
                     continue;
                 }
+                LightRayProgress::Passes(landing) => {
+                    flight = transport.launch(&behind(&landing, arrived));
+                    continue;
+                }
                 LightRayProgress::Landed(landing) => {
-                    if let Some(direction) = light::through_specular(job, &mut path, &mut vertex, &landing) {
+                    if let Some(direction) = light::land(job, &mut path, &mut vertex, &landing) {
                         let Landing { position, primitive: origin_prim, .. } = landing;
                         flight =
                             transport.launch(&Start { position, direction, origin_prim, carried: arrived });
@@ -93,6 +98,10 @@ fn trace_path<T: Transport>(
         let (fate, side) = match outcome {
             Outcome::Flying(next) => {
                 flight = next;
+                continue;
+            }
+            Outcome::Landed(landing) if passes(job, &mut path, &landing) => {
+                flight = transport.launch(&behind(&landing, arrived));
                 continue;
             }
             Outcome::Landed(landing) => {

@@ -16,6 +16,7 @@ use super::stages::escape::escape;
 use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
 use super::stages::light::{self, LightRayProgress};
+use super::stages::pass::{behind, passes};
 use super::stages::record::{record_end, record_step};
 use super::stages::shade::{Shading, gather};
 use super::stats::{Counters, Lap, StageTimes};
@@ -56,7 +57,7 @@ struct Events<C> {
     landed: Vec<(usize, Landing)>,
     /// Light rays that ended, at their target or not.
     lit: Vec<(usize, bool)>,
-    /// Light rays that met mirrors or glass, or what they look for behind them.
+    /// Light rays that met mirrors or glass, or what they look for behind them, or a textured lamp.
     specular: Vec<(usize, Landing)>,
     /// Light rays that left beyond mirrors and glass.
     gone: Vec<(usize, AtInfinity)>,
@@ -245,8 +246,11 @@ impl<T: Transport> Wavefront<T> {
                     if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
                         return;
                     }
-                    match light::conclude(illumination, vertex, outcome) {
+                    match light::conclude(job, illumination, &mut paths[lane], vertex, outcome) {
                         LightRayProgress::Flying(_) => {}
+                        LightRayProgress::Passes(landing) => {
+                            events.starts.push((lane, behind(&landing, carried)));
+                        }
                         LightRayProgress::Ended(is_reached) => events.lit.push((lane, is_reached)),
                         LightRayProgress::Landed(landing) => events.specular.push((lane, landing)),
                         LightRayProgress::Escaped(there) => events.gone.push((lane, there)),
@@ -255,6 +259,9 @@ impl<T: Transport> Wavefront<T> {
                 }
                 match outcome {
                     Outcome::Flying(_) => {}
+                    Outcome::Landed(landing) if passes(job, &mut paths[lane], &landing) => {
+                        events.starts.push((lane, behind(&landing, carried)));
+                    }
                     Outcome::Landed(landing) => {
                         fates.hit += 1;
                         events.landed.push((lane, landing));
@@ -313,12 +320,12 @@ impl<T: Transport> Wavefront<T> {
         }
     }
 
-    /// Takes light rays through mirrors and glass.
+    /// Takes light rays through mirrors and glass, and adds what they see.
     fn through_specular(&mut self, job: &Job) {
         let Self { paths, vertices, arrived, events, .. } = self;
         let Events { specular, gone, lit, starts, .. } = events;
         for (lane, landing) in specular.drain(..) {
-            match light::through_specular(job, &mut paths[lane], &mut vertices[lane], &landing) {
+            match light::land(job, &mut paths[lane], &mut vertices[lane], &landing) {
                 Some(direction) => {
                     let Landing { position, primitive: origin_prim, .. } = landing;
                     let carried = arrived[lane];
@@ -364,7 +371,7 @@ impl<T: Transport> Wavefront<T> {
                 return;
             };
             let Landing { position, primitive: origin_prim, .. } = landing;
-            exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(vertex);
+            exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(job, vertex);
             carried[lane] = arrived[lane];
             starts.push((lane, Start { position, direction, origin_prim, carried: carried[lane] }));
             counters.count_ray(vertex.light_ray_in_flight);

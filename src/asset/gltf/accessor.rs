@@ -13,7 +13,7 @@ use crate::asset::flaw::Flaw;
 /// does not bound.
 const MAX_IMPLICIT: usize = 1 << 16;
 /// Zeros that stand for the elements of a column without buffer view; no element is longer.
-const ZEROS: [u8; 12] = [0; 12];
+const ZEROS: [u8; 16] = [0; 16];
 
 /// A column of elements in the bytes of a file.
 pub(super) struct Column<'a> {
@@ -29,10 +29,16 @@ pub(super) struct Column<'a> {
 }
 
 impl<'a> Column<'a> {
-    /// A column of 3-vectors.
-    pub fn of_vectors(accessor: &gltf::Accessor, buffers: &'a Buffers) -> Result<Self, Flaw> {
-        if accessor.dimensions() != Dimensions::Vec3 {
-            return Err(damaged(accessor.index(), "does not hold 3-vectors"));
+    /// A column of vectors of these dimensions.
+    pub fn of_vectors(
+        accessor: &gltf::Accessor,
+        dimensions: &[Dimensions],
+        buffers: &'a Buffers,
+    ) -> Result<Self, Flaw> {
+        if !dimensions.contains(&accessor.dimensions()) {
+            let names: Vec<_> =
+                dimensions.iter().map(|vector| format!("{}-vectors", vector.multiplicity())).collect();
+            return Err(damaged(accessor.index(), &format!("does not hold {}", names.join(" or "))));
         }
         Self::open(accessor, buffers)
     }
@@ -108,13 +114,14 @@ impl<'a> Column<'a> {
         count.ok_or_else(|| damaged(self.index, "has too many elements"))
     }
 
-    /// A 3-vector, zero if there is none; integers become floats, normalised where the accessor says so.
-    pub fn vector(&self, index: u32) -> [f32; 3] {
+    /// A vector, zero if there is none; integers become floats, normalised where the accessor says so. Components that
+    /// the column lacks are 1.
+    pub fn vector<const N: usize>(&self, index: u32) -> [f32; N] {
         let bytes = self.element(index);
         let size = self.kind.size();
-        [0, 1, 2].map(|axis| {
-            let bytes = bytes.get(axis * size..).and_then(|bytes| bytes.get(..size)).unwrap_or_default();
-            component(bytes, self.kind, self.normalized)
+        std::array::from_fn(|axis| match bytes.get(axis * size..).and_then(|bytes| bytes.get(..size)) {
+            Some(bytes) => component(bytes, self.kind, self.normalized),
+            None => 1.0,
         })
     }
 

@@ -1,15 +1,19 @@
 //! glTF's metallic-roughness materials → the tracer's lobes.
 
 use glam::Vec3;
+use gltf::material::AlphaMode;
 
-use super::texture::Textures;
+use super::texture::{TextureInfo, Textures};
+use crate::asset::image::Encoding;
 use crate::asset::notes::Notes;
-use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror};
+use crate::shade::{Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, TextureId};
 
 /// Largest roughness that counts as a perfect mirror or clear glass.
 const SMOOTH: f32 = 0.05;
 /// Index of refraction without `KHR_materials_ior`.
 const DEFAULT_IOR: f32 = 1.5;
+/// Opacity below which a masked surface is not there, where none is given.
+const DEFAULT_CUTOFF: f32 = 0.5;
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 /// Extensions of materials that are read here.
@@ -25,15 +29,39 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
     let name = name_of(material);
     note_ignored(material, notes, &name);
     let pbr = material.pbr_metallic_roughness();
-    let [r, g, b, _] = pbr.base_color_factor();
-    let texture = pbr.base_color_texture().map(|info| info.texture());
-    let colour = Vec3::new(r, g, b) * mean("base colour", texture, textures, notes, &name);
+    let [r, g, b, alpha] = pbr.base_color_factor();
+    let colour = Vec3::new(r, g, b);
     let base = Vec3::select(colour.is_nan_mask(), Vec3::ZERO, colour).clamp(Vec3::ZERO, Vec3::ONE);
     if base != colour {
         notes.add("colours outside 0..1 are clamped, in material", &name);
     }
-    let emission = emission(material, textures, notes, &name);
-    Material { lobe: lobe(material, base, notes, &name), emission, emits_both_sides: material.double_sided() }
+    let emission = emission(material, notes, &name);
+    let mut map = |kind: &str, info: Option<gltf::texture::Info>| {
+        info.and_then(|info| color_map(kind, &info, textures, notes, &name))
+    };
+    let maps = Maps {
+        base_color: map("base colour", pbr.base_color_texture()),
+        emission: map("emission", material.emissive_texture().filter(|_| emission != Vec3::ZERO)),
+        vertex_colors: false,
+    };
+    let cutoff = match material.alpha_mode() {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask => Some(Some(material.alpha_cutoff().unwrap_or(DEFAULT_CUTOFF))),
+        AlphaMode::Blend => Some(None),
+    };
+    let opacity = cutoff.map(|cutoff| Opacity {
+        factor: if alpha.is_nan() { 1.0 } else { alpha.clamp(0.0, 1.0) },
+        map: maps.base_color.filter(|map| textures.has_alpha(*map)).map(|map| (map, Channel::Alpha)),
+        by_vertices: false,
+        cutoff,
+    });
+    Material {
+        lobe: lobe(material, base, notes, &name),
+        emission,
+        emits_both_sides: material.double_sided(),
+        maps,
+        opacity,
+    }
 }
 
 fn name_of(material: &gltf::Material) -> String {
@@ -44,42 +72,33 @@ fn name_of(material: &gltf::Material) -> String {
     }
 }
 
-/// Mean of a texture, white without one: walls, floors and lamps then give the right amount of light.
-fn mean(
+/// A texture of colours; `None` if it cannot be used.
+fn color_map(
     kind: &str,
-    texture: Option<gltf::Texture>,
+    info: &gltf::texture::Info,
     textures: &mut Textures,
     notes: &mut Notes,
     name: &str,
-) -> Vec3 {
-    match texture.map(|texture| textures.of(&texture)) {
-        None => Vec3::ONE,
-        Some(Ok(mean)) => {
-            notes.add(format!("{kind} texture is replaced by its mean, in material"), name);
-            mean
-        }
-        Some(Err(problem)) => {
-            notes.add(format!("{kind} texture is ignored ({problem}), in material"), name);
-            Vec3::ONE
-        }
-    }
+) -> Option<TextureId> {
+    let texture = textures.read(&TextureInfo::new(info), Encoding::Color);
+    texture
+        .map_err(|problem| notes.add(format!("{kind} texture is ignored ({problem}), in material"), name))
+        .ok()
 }
 
-fn emission(material: &gltf::Material, textures: &mut Textures, notes: &mut Notes, name: &str) -> Vec3 {
+fn emission(material: &gltf::Material, notes: &mut Notes, name: &str) -> Vec3 {
     let factor = Vec3::from(material.emissive_factor()) * material.emissive_strength().unwrap_or(1.0);
     if factor == Vec3::ZERO {
         return Vec3::ZERO;
     }
-    let texture = material.emissive_texture().map(|info| info.texture());
-    let emission = factor * mean("emission", texture, textures, notes, name);
-    if emission.is_nan() || emission.cmplt(Vec3::ZERO).any() {
+    if factor.is_nan() || factor.cmplt(Vec3::ZERO).any() {
         notes.add("emission that is negative or not a number is ignored, in material", name);
         return Vec3::ZERO;
     }
-    if emission.max_element() > BRIGHTEST {
+    if factor.max_element() > BRIGHTEST {
         notes.add("emission above 1e18 is clamped, in material", name);
     }
-    emission.min(Vec3::splat(BRIGHTEST))
+    factor.min(Vec3::splat(BRIGHTEST))
 }
 
 fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
@@ -120,9 +139,6 @@ fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
     ];
     for (kind, _) in textures.iter().filter(|(_, present)| *present) {
         notes.add(format!("{kind} texture is ignored, in material"), name);
-    }
-    if material.alpha_mode() != gltf::material::AlphaMode::Opaque {
-        notes.add("opacity is ignored, in material", name);
     }
     let extensions = material.extensions().into_iter().flat_map(|map| map.keys());
     for extension in extensions.filter(|extension| !READ.contains(&extension.as_str())) {

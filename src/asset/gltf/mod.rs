@@ -23,7 +23,9 @@ use super::model::{Model, ModelCamera, ModelNode, Part};
 use super::notes::Notes;
 use buffers::Buffers;
 use gltf::json::validation::Checked;
-use texture::Textures;
+use texture::{Textures, UV_SETS};
+
+use crate::shade::{Opacity, TextureId};
 
 /// Width over height of pictures that somebody may want.
 const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
@@ -35,7 +37,7 @@ const MOST_PER_BYTE: usize = 64;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// Textures of base colours and of emission count as their mean colours. Other textures, animation, skins and
+/// Textures of base colours and of emission are read. Other textures, animation, skins and
 /// instancing are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node
 /// without anything that is named `BlackHole` places a black hole.
 ///
@@ -78,7 +80,11 @@ impl GltfImport {
         let (notes, mut textures) = (&mut self.notes, Textures::new(&gltf, &buffers));
         let materials = gltf.materials().map(|material| material::convert(&material, &mut textures, notes));
         self.model.materials = materials.collect();
+        self.model.textures = textures.into_textures();
         self.nodes(&gltf, &buffers)?;
+        for material in &mut self.model.materials {
+            material.opacity = material.opacity.filter(Opacity::lets_through);
+        }
         for animation in gltf.animations() {
             let name = animation.name().unwrap_or("unnamed");
             self.notes.add("animation ignored, the rest pose is used", name);
@@ -181,7 +187,13 @@ impl GltfImport {
                 .surface(&primitive, buffers, &name)
                 .map_err(|flaw| flaw.at(format!("mesh `{name}`, primitive {}", primitive.index())))?;
             if let Some(surface) = surface {
-                parts.push(Part { mesh: surface, material: self.material_index(&primitive) });
+                let material = self.material_index(&primitive);
+                if !self.model.meshes[surface].attributes.colors.is_empty() {
+                    let material = &mut self.model.materials[material];
+                    material.maps.vertex_colors = true;
+                    material.opacity.iter_mut().for_each(|opacity| opacity.by_vertices = true);
+                }
+                parts.push(Part { mesh: surface, material });
             }
         }
         self.parts.insert(mesh.index(), parts.clone());
@@ -195,19 +207,20 @@ impl GltfImport {
         buffers: &Buffers,
         name: &str,
     ) -> Result<Option<usize>, Flaw> {
-        let Some(source) = primitive::source(primitive, &mut self.notes, name)? else {
+        let uv_sets = self.uv_sets(&primitive.material());
+        let Some(source) = primitive::source(primitive, uv_sets, &mut self.notes, name)? else {
             return Ok(None);
         };
         if let Some(known) = self.surfaces.get(&source) {
             return Ok(*known);
         }
-        let (mesh, dropped) = primitive::read(primitive, buffers, &mut self.notes, name)?;
+        let (mesh, dropped) = primitive::read(primitive, &source, buffers, &mut self.notes, name)?;
         let index = if mesh.triangles.is_empty() {
             self.notes.add("surfaces without area (collapsed or empty) are left out, in mesh", name);
             None
         } else {
             self.dropped += dropped;
-            self.size += 12 * (mesh.positions.len() + mesh.normals.len() + mesh.triangles.len());
+            self.size += mesh.memory_bytes();
             self.model.meshes.push(mesh);
             Some(self.model.meshes.len() - 1)
         };
@@ -222,6 +235,19 @@ impl GltfImport {
         }
         self.surfaces.insert(source, index);
         Ok(index)
+    }
+
+    /// Sets of texture coordinates that a material looks at.
+    fn uv_sets(&self, material: &gltf::Material) -> [bool; UV_SETS] {
+        let mut sets = [false; UV_SETS];
+        let material = material.index().and_then(|index| self.model.materials.get(index));
+        for TextureId(id) in material.iter().flat_map(|material| material.textures()) {
+            let texture = self.model.textures.get(id as usize);
+            if let Some(set) = texture.and_then(|texture| sets.get_mut(texture.uv_set)) {
+                *set = true;
+            }
+        }
+        sets
     }
 
     fn material_index(&mut self, primitive: &gltf::Primitive) -> usize {

@@ -1,13 +1,15 @@
 //! One glTF primitive → one triangle mesh.
 
+use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
 
 use super::accessor::Column;
 use super::buffers::Buffers;
+use super::texture::UV_SETS;
 use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
 use crate::asset::tidy::tidy;
-use crate::geometry::Mesh;
+use crate::geometry::{Attributes, Mesh};
 
 /// The accessors that a surface is made of, by index, and how; primitives with the same ones are the same surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,13 +17,18 @@ pub(super) struct SurfaceKey {
     positions: usize,
     normals: Option<usize>,
     indices: Option<usize>,
+    /// Texture coordinates by set, of those that the material looks at.
+    uvs: [Option<usize>; UV_SETS],
+    colors: Option<usize>,
     /// As in the file.
     mode: u32,
 }
 
-/// Source of a primitive of the mesh called `name`; `None` if it has no surface.
+/// Source of a primitive of the mesh called `name`, with those sets of texture coordinates that are asked for; `None`
+/// if it has no surface.
 pub(super) fn source(
     primitive: &gltf::Primitive,
+    uv_sets: [bool; UV_SETS],
     notes: &mut Notes,
     name: &str,
 ) -> Result<Option<SurfaceKey>, Flaw> {
@@ -32,9 +39,6 @@ pub(super) fn source(
     if primitive.morph_targets().len() > 0 {
         notes.add("shape keys (morph targets) are ignored, in mesh", name);
     }
-    if primitive.get(&Semantic::Colors(0)).is_some() {
-        notes.add("vertex colours are ignored, in mesh", name);
-    }
     let positions = primitive
         .get(&Semantic::Positions)
         .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
@@ -42,21 +46,30 @@ pub(super) fn source(
         positions: positions.index(),
         normals: primitive.get(&Semantic::Normals).map(|accessor| accessor.index()),
         indices: primitive.indices().map(|accessor| accessor.index()),
+        uvs: std::array::from_fn(|set| {
+            let accessor = primitive.get(&Semantic::TexCoords(set as u32)).filter(|_| uv_sets[set]);
+            if uv_sets[set] && accessor.is_none() {
+                notes.add("textures without texture coordinates count as their means, in mesh", name);
+            }
+            Some(accessor?.index())
+        }),
+        colors: primitive.get(&Semantic::Colors(0)).map(|accessor| accessor.index()),
         mode: primitive.mode().as_gl_enum(),
     }))
 }
 
-/// Reads the surface of a primitive of the mesh called `name`, and how many degenerate triangles it had; it may be left
+/// Reads the surface of a primitive of the mesh called `name`, with the attributes that `source` tells, and how many degenerate triangles it had; it may be left
 /// without triangles.
 pub(super) fn read(
     primitive: &gltf::Primitive,
+    source: &SurfaceKey,
     buffers: &Buffers,
     notes: &mut Notes,
     name: &str,
 ) -> Result<(Mesh, usize), Flaw> {
     let vectors = |semantic| {
         let accessor = primitive.get(&semantic);
-        accessor.map(|accessor| Column::of_vectors(&accessor, buffers)).transpose()
+        accessor.map(|accessor| Column::of_vectors(&accessor, &[Dimensions::Vec3], buffers)).transpose()
     };
     let positions = vectors(Semantic::Positions)?
         .ok_or_else(|| Flaw::new("there are no positions", "export the mesh with its vertex positions"))?;
@@ -78,7 +91,32 @@ pub(super) fn read(
     let vertices = number_vertices(&mut triangles, positions.len())?;
     let gather = |column: &Column| vertices.iter().map(|index| column.vector(*index)).collect();
     let normals = normals.map_or_else(Vec::new, |normals| gather(&normals));
-    let mut mesh = Mesh { positions: gather(&positions), normals, triangles };
+    let mut attribute = |semantic: Semantic, dimensions: &[Dimensions]| {
+        let Some(accessor) = primitive.get(&semantic) else { return Ok(None) };
+        let column = Column::of_vectors(&accessor, dimensions, buffers)?;
+        let fits = column.len() == positions.len();
+        if !fits {
+            notes.add(
+                "texture coordinates or colours do not match the vertices and are ignored, in mesh",
+                name,
+            );
+        }
+        Ok(Some(column).filter(|_| fits))
+    };
+    let mut attributes = Attributes::default();
+    for (set, _) in (0..).zip(source.uvs).filter(|(_, accessor)| accessor.is_some()) {
+        if let Some(column) = attribute(Semantic::TexCoords(set), &[Dimensions::Vec2])? {
+            attributes.uvs.resize(set as usize + 1, Vec::new());
+            attributes.uvs[set as usize] = vertices.iter().map(|&index| column.vector(index)).collect();
+        }
+    }
+    if source.colors.is_some()
+        && let Some(column) = attribute(Semantic::Colors(0), &[Dimensions::Vec3, Dimensions::Vec4])?
+    {
+        let unit = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
+        attributes.colors = vertices.iter().map(|&index| column.vector(index).map(unit)).collect();
+    }
+    let mut mesh = Mesh { positions: gather(&positions), normals, triangles, attributes };
     let dropped = tidy(&mut mesh)?;
     Ok((mesh, dropped))
 }

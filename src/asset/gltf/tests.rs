@@ -3,7 +3,9 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use super::texture::TextureInfo;
 use super::*;
+use crate::asset::image::Encoding;
 use crate::light::Punctual;
 use crate::shade::{Dielectric, Lobe, Material, Mirror};
 
@@ -480,9 +482,13 @@ fn images_of_one_source_are_decoded_once() {
     let buffers = Buffers::read(&gltf, files.folder.path(), &opened).unwrap();
     let mut textures = Textures::new(&gltf, &buffers);
     let texture = gltf.textures().next().unwrap();
-    assert!(textures.of(&texture).is_err());
+    let read = |textures: &mut Textures| {
+        let info = TextureInfo::moved(texture.clone(), 0, None);
+        textures.read(&info, Encoding::Color)
+    };
+    assert!(read(&mut textures).is_err());
     std::fs::remove_file(files.folder.path().join("bad.png")).unwrap();
-    let again = textures.of(&texture).unwrap_err();
+    let again = read(&mut textures).unwrap_err();
     assert!(!again.contains("cannot be read"), "{again}");
 }
 

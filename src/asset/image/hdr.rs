@@ -8,7 +8,7 @@ use glam::Vec3;
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
-use super::picture::{Picture, check_size, undecodable};
+use super::picture::{BYTES_PER_PIXEL, Picture, check_size, undecodable};
 use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
 use crate::asset::notes::Notes;
@@ -58,7 +58,7 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
             "the file is damaged or cut off; save or copy it again",
         ));
     }
-    check_size(width, height, size_of::<Vec3>() as u64, memory)?;
+    check_size(width, height, BYTES_PER_PIXEL + size_of::<Vec3>() as u64, memory)?;
     // In the order that the crate knows.
     let plain = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {runs} +X {length}\n");
     let decoder = HdrDecoder::new(Cursor::new(plain).chain(data)).map_err(undecodable)?;

@@ -3,7 +3,7 @@
 use exr::meta::attribute::IntegerBounds;
 use glam::Vec3;
 
-use super::picture::{Picture, check_size, undecodable};
+use super::picture::{BYTES_PER_PIXEL, Picture, check_size, undecodable};
 use crate::asset::exr::{Colours, ExrFile};
 use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
@@ -31,7 +31,7 @@ pub(super) fn decode(bytes: &[u8], memory: &Memory, notes: &mut Notes) -> Result
     let (width, height) = (display.size.width(), display.size.height());
     note_layer(&colours, notes);
     check_windows(data, display, notes)?;
-    check_size(width, height, 0, memory)?;
+    check_size(width, height, BYTES_PER_PIXEL, memory)?;
 
     let (left, top) = (offset(data, display, 0), offset(data, display, 1));
     let mut pixels = vec![Vec3::ZERO; width * height];

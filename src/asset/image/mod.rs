@@ -8,4 +8,4 @@ mod raster;
 
 pub use latlong::load;
 pub use picture::Picture;
-pub(super) use raster::mean as mean_colour;
+pub(super) use raster::{Encoding, texels};

@@ -8,7 +8,7 @@ use crate::asset::memory::Memory;
 /// Most pixels in a picture: 32768 × 16384.
 const MAX_PIXELS: usize = 1 << 29;
 /// Bytes per pixel of a picture that lights a scene: the picture and the table by which its lights are sampled.
-const BYTES_PER_PIXEL: u64 = (size_of::<Vec3>() + size_of::<f64>()) as u64;
+pub(super) const BYTES_PER_PIXEL: u64 = (size_of::<Vec3>() + size_of::<f64>()) as u64;
 
 /// A picture in linear RGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Picture {
     pub warnings: Vec<String>,
 }
 
-/// Refuses a picture without pixels, with too many, or with more than fit in memory beside `extra` bytes for each.
-pub(super) fn check_size(width: usize, height: usize, extra: u64, memory: &Memory) -> Result<(), Flaw> {
+/// Refuses a picture without pixels, with too many, or with more than fit in memory at `bytes` for each.
+pub(super) fn check_size(width: usize, height: usize, bytes: u64, memory: &Memory) -> Result<(), Flaw> {
     let pixels = match width.checked_mul(height) {
         Some(pixels @ 1..=MAX_PIXELS) => pixels as u64,
         _ => {
@@ -34,7 +34,7 @@ pub(super) fn check_size(width: usize, height: usize, extra: u64, memory: &Memor
             ));
         }
     };
-    memory.check(format!("a picture of {width} × {height} pixels"), pixels * (BYTES_PER_PIXEL + extra))
+    memory.check(format!("a picture of {width} × {height} pixels"), pixels * bytes)
 }
 
 /// A flaw of a file that its decoder refuses.

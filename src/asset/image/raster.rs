@@ -2,12 +2,13 @@
 
 use std::io::Cursor;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
-use super::picture::{Picture, check_size, undecodable};
+use super::picture::{BYTES_PER_PIXEL, Picture, check_size, undecodable};
 use crate::asset::flaw::Flaw;
 use crate::asset::memory::Memory;
+use crate::shade::{MipImage, Raster};
 
 /// Most memory of a picture while it is decoded, bytes per pixel: four channels of 16 bits.
 const DECODED: u64 = 8;
@@ -32,7 +33,7 @@ pub(super) fn is_known(bytes: &[u8]) -> bool {
 
 /// Decodes a PNG or JPEG file.
 pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
-    let (decoded, transfer) = open(bytes, memory)?;
+    let (decoded, transfer) = open(bytes, BYTES_PER_PIXEL, memory)?;
     Ok(Picture {
         width: decoded.width() as usize,
         height: decoded.height() as usize,
@@ -43,32 +44,64 @@ pub fn decode(bytes: &[u8], memory: &Memory) -> Result<Picture, Flaw> {
     })
 }
 
-/// The mean colour of a PNG or JPEG file.
-pub fn mean(bytes: &[u8], memory: &Memory) -> Result<Vec3, Flaw> {
-    let (decoded, transfer) = open(bytes, memory)?;
-    // Values are counted in 16 bits, and made linear once each.
-    let mut counts = vec![[0u64; 3]; 1 << 16];
-    for colour in colours(&decoded) {
-        for (channel, value) in colour.into_iter().enumerate() {
-            let level = (value * f32::from(u16::MAX)).round() as usize;
-            if let Some(count) = counts.get_mut(level).and_then(|counts| counts.get_mut(channel)) {
-                *count += 1;
-            }
-        }
-    }
-    let mut sum = DVec3::ZERO;
-    for (level, counts) in (0u16..=u16::MAX).zip(&counts).filter(|(_, counts)| **counts != [0; 3]) {
-        let value = f64::from(transfer.linear(f32::from(level) / f32::from(u16::MAX)));
-        sum += value * DVec3::from(counts.map(|count| count as f64));
-    }
-    Ok((sum / (f64::from(decoded.width()) * f64::from(decoded.height()))).as_vec3())
+/// Meaning of the samples of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colours by the file's transfer function.
+    Color,
+    /// Numbers as they stand.
+    Data,
 }
 
-/// Decodes the samples of a file, and tells what they mean.
-fn open(bytes: &[u8], memory: &Memory) -> Result<(DynamicImage, Transfer), Flaw> {
+/// Decodes a PNG or JPEG file for a texture: samples of 8 bits are kept.
+pub fn texels(bytes: &[u8], encoding: Encoding, memory: &Memory) -> Result<MipImage, Flaw> {
+    if !is_known(bytes) {
+        return Err(Flaw::new("it is neither PNG nor JPEG", "convert it to PNG"));
+    }
+    let (decoded, transfer) = open(bytes, MipImage::BYTES_PER_TEXEL, memory)?;
+    let linear = |value: f32| match encoding {
+        Encoding::Color => transfer.linear(value),
+        Encoding::Data => value,
+    };
+    let channels = usize::from(decoded.color().channel_count());
+    let raster = if usize::from(decoded.color().bytes_per_pixel()) == channels {
+        let table = Box::new(std::array::from_fn(|byte| linear(byte as f32 / f32::from(u8::MAX))));
+        Raster::Encoded(
+            decoded.as_bytes().chunks_exact(channels).map(|t| with_alpha(t, u8::MAX)).collect(),
+            table,
+        )
+    } else {
+        let most = f32::from(u16::MAX);
+        let table: Vec<u16> =
+            (0..=u16::MAX).map(|v| (linear(f32::from(v) / most) * most).round() as u16).collect();
+        let samples: Vec<u16> =
+            decoded.as_bytes().as_chunks().0.iter().map(|&sample| u16::from_ne_bytes(sample)).collect();
+        let texel = |texel: &[u16]| {
+            let [r, g, b, alpha] = with_alpha(texel, u16::MAX);
+            let [r, g, b] = [r, g, b].map(|value| table[usize::from(value)]);
+            [r, g, b, alpha]
+        };
+        Raster::Linear(samples.chunks_exact(channels).map(texel).collect())
+    };
+    Ok(MipImage::new(decoded.width() as usize, decoded.height() as usize, raster))
+}
+
+/// Red, green, blue and opacity of a pixel of one to four samples.
+fn with_alpha<T: Copy>(samples: &[T], opaque: T) -> [T; 4] {
+    match *samples {
+        [grey] => [grey, grey, grey, opaque],
+        [grey, alpha] => [grey, grey, grey, alpha],
+        [r, g, b, alpha] => [r, g, b, alpha],
+        [r, g, b, ..] => [r, g, b, opaque],
+        [] => [opaque; 4],
+    }
+}
+
+/// Decodes the samples of a file for a picture of so many bytes per pixel, and tells what they mean.
+fn open(bytes: &[u8], per_pixel: u64, memory: &Memory) -> Result<(DynamicImage, Transfer), Flaw> {
     // Before the crate sees it, which allocates rows.
     if let Some((width, height)) = png_size(bytes) {
-        check_size(width, height, DECODED, memory)?;
+        check_size(width, height, per_pixel + DECODED, memory)?;
     }
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(undecodable)?;
     let mut limits = image::Limits::no_limits();
@@ -78,7 +111,7 @@ fn open(bytes: &[u8], memory: &Memory) -> Result<(DynamicImage, Transfer), Flaw>
     let gamma = if reader.format() == Some(ImageFormat::Png) { png_gamma(bytes) } else { None };
     let mut decoder = reader.into_decoder().map_err(undecodable)?;
     let (width, height) = decoder.dimensions();
-    check_size(width as usize, height as usize, DECODED, memory)?;
+    check_size(width as usize, height as usize, per_pixel + DECODED, memory)?;
     decoder.set_limits(image::Limits::no_limits()).map_err(undecodable)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(undecodable)?;
     Ok((decoded, gamma.map_or(Transfer::Srgb, Transfer::Gamma)))
@@ -189,18 +222,26 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_is_that_of_the_linear_pixels() {
+    fn texels_of_8_and_16_bits_are_the_linear_pixels() {
         let mixed = image::RgbImage::from_fn(16, 16, |x, y| {
             image::Rgb([(16 * x + y) as u8, 200, 255 * (x % 2) as u8])
         });
         let deep = DynamicImage::ImageRgb8(mixed.clone()).to_rgb16();
-        for image in [DynamicImage::ImageRgb8(mixed), DynamicImage::ImageRgb16(deep)] {
+        for (image, tolerance) in
+            [(DynamicImage::ImageRgb8(mixed), 0.0), (DynamicImage::ImageRgb16(deep), 8e-6)]
+        {
             let bytes = encoded(&image, ImageFormat::Png);
             let pixels = decode(&bytes, &Memory::default()).unwrap().pixels;
-            let expected = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / 256.0;
-            let mean = mean(&bytes, &Memory::default()).unwrap();
-            assert!((mean.as_dvec3() - expected).length() < 1e-6, "{mean} {expected}");
+            let texture = texels(&bytes, Encoding::Color, &Memory::default()).unwrap();
+            let data = texels(&bytes, Encoding::Data, &Memory::default()).unwrap();
+            for (index, pixel) in pixels.iter().enumerate() {
+                let at = [index % 16, index / 16];
+                let error = (texture.texel(0, at).truncate() - *pixel).abs().max_element();
+                assert!(error <= tolerance && texture.texel(0, at).w == 1.0, "{error}");
+                assert!((data.texel(0, at).y - 200.0 / 255.0).abs() < 1e-6);
+            }
         }
+        assert!(texels(b"no picture", Encoding::Color, &Memory::default()).is_err());
     }
 
     #[test]

@@ -30,7 +30,11 @@ fn write(text: &mut Vec<u8>, statement: &Statement, survey: &Survey, section: &m
     let values = statement.values();
     match statement.keyword {
         "v" if survey.has_long_vertices => writeln!(text, "v {}", place(values)),
-        "vn" if survey.has_odd_normals && finite_numbers(values).is_none() => writeln!(text, "vn 0 0 0"),
+        "vn" if survey.has_odd_normals && finite_numbers::<3>(values).is_none() => writeln!(text, "vn 0 0 0"),
+        "vt" if survey.reads_textures() => {
+            let [u, v] = finite_numbers(values).unwrap_or_default();
+            writeln!(text, "vt {u} {v}")
+        }
         keyword @ ("v" | "vn" | "f") => {
             text.extend_from_slice(keyword.as_bytes());
             text.push(b' ');

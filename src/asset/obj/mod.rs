@@ -17,7 +17,7 @@ use super::flaw::Flaw;
 use super::model::{Model, ModelNode, Part};
 use super::statements::Statements;
 use super::tidy::tidy;
-use crate::geometry::Mesh;
+use crate::geometry::{Attributes, Mesh};
 use crate::shade::Material;
 use cleaned::Cleaned;
 use merge::merge;
@@ -59,6 +59,12 @@ pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
     import.finish(&path.display().to_string()).map_err(content)
 }
 
+/// Attributes of a mesh with at most one set of texture coordinates.
+fn of_one_set(uvs: Vec<[f32; 2]>) -> Attributes {
+    let uvs = if uvs.is_empty() { Vec::new() } else { vec![uvs] };
+    Attributes { uvs, ..Attributes::default() }
+}
+
 /// A model in the making.
 struct ObjImport {
     model: Model,
@@ -73,8 +79,8 @@ struct ObjImport {
 
 impl ObjImport {
     fn new(mut survey: Survey) -> Self {
-        let materials = std::mem::take(&mut survey.libraries.materials);
-        let model = Model { materials, ..Model::default() };
+        let (materials, textures) = survey.libraries.take();
+        let model = Model { materials, textures, ..Model::default() };
         Self { model, survey, default_material: None, dropped: 0, left: 0 }
     }
 
@@ -109,7 +115,16 @@ impl ObjImport {
     }
 
     fn mesh(&mut self, mesh: tobj::Mesh, name: &str) -> Mesh {
-        let tobj::Mesh { positions, normals, mut indices, mut normal_indices, face_arities, .. } = mesh;
+        let tobj::Mesh {
+            positions,
+            normals,
+            texcoords,
+            mut indices,
+            mut normal_indices,
+            mut texcoord_indices,
+            face_arities,
+            ..
+        } = mesh;
         // There are none if all faces are triangles.
         if !face_arities.is_empty() {
             let triangles = polygon::cut(&positions, &indices, &face_arities);
@@ -118,18 +133,65 @@ impl ObjImport {
                 triangles.corners.iter().filter_map(|corner| indices.get(*corner as usize).copied()).collect()
             };
             (indices, normal_indices) = (cut(&indices), cut(&normal_indices));
+            texcoord_indices = cut(&texcoord_indices);
         }
-        if !normal_indices.is_empty() {
-            return merge(&positions, &normals, &indices, &normal_indices);
+        let (positions, _) = positions.as_chunks::<3>();
+        let (normals, _) = normals.as_chunks::<3>();
+        let uvs: Vec<[f32; 2]> = texcoords.as_chunks().0.iter().map(|&[u, v]| [u, 1.0 - v]).collect();
+        let mut merged = Mesh::default();
+        let (mut set, corners) = (Vec::new(), indices.iter().copied());
+        match (normal_indices.as_slice(), texcoord_indices.as_slice()) {
+            ([], []) => return self.indexed(positions, normals, uvs, &indices, name),
+            (of_normals, []) => {
+                merged.triangles = merge(corners.zip(of_normals), |(position, &normal)| {
+                    merged.positions.push(positions[position as usize]);
+                    merged.normals.push(normals[normal as usize]);
+                });
+            }
+            ([], of_uvs) => {
+                merged.triangles = merge(corners.zip(of_uvs), |(position, &uv)| {
+                    merged.positions.push(positions[position as usize]);
+                    set.push(uvs[uv as usize]);
+                });
+            }
+            (of_normals, of_uvs) => {
+                let corners = corners.zip(of_normals).zip(of_uvs);
+                merged.triangles = merge(corners, |((position, &normal), &uv)| {
+                    merged.positions.push(positions[position as usize]);
+                    merged.normals.push(normals[normal as usize]);
+                    set.push(uvs[uv as usize]);
+                });
+            }
         }
-        let is_complete = normals.len() == positions.len();
-        if !is_complete && !normals.is_empty() {
-            self.survey.notes.add("normals on some faces only, so shaded flat", name);
-        }
+        merged.normals.shrink_to_fit();
+        merged.attributes = of_one_set(set);
+        merged
+    }
+
+    /// A mesh of columns that have the same indices.
+    fn indexed(
+        &mut self,
+        positions: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        uvs: Vec<[f32; 2]>,
+        indices: &[u32],
+        name: &str,
+    ) -> Mesh {
+        let mut is_complete = |count: usize, what: &str| {
+            if count != 0 && count != positions.len() {
+                self.survey.notes.add(format!("{what} on some faces only, so left out"), name);
+            }
+            count == positions.len()
+        };
         Mesh {
-            positions: positions.as_chunks().0.to_vec(),
-            normals: if is_complete { normals.as_chunks().0.to_vec() } else { Vec::new() },
+            positions: positions.to_vec(),
+            normals: if is_complete(normals.len(), "normals") { normals.to_vec() } else { Vec::new() },
             triangles: indices.as_chunks().0.to_vec(),
+            attributes: of_one_set(if is_complete(uvs.len(), "texture coordinates") {
+                uvs
+            } else {
+                Vec::new()
+            }),
         }
     }
 

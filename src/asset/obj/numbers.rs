@@ -28,9 +28,12 @@ pub(super) fn has_usable_weight(words: &[&str]) -> bool {
     weight.is_finite() && place.iter().all(|coordinate| (coordinate / weight).is_finite())
 }
 
-/// Three finite numbers at the beginning of a text.
-pub(super) fn finite_numbers(values: &str) -> Option<[f32; 3]> {
+/// Finite numbers at the beginning of a text.
+pub(super) fn finite_numbers<const N: usize>(values: &str) -> Option<[f32; N]> {
     let mut words = values.split_whitespace();
-    let mut next = || words.next()?.parse().ok().filter(|number: &f32| number.is_finite());
-    Some([next()?, next()?, next()?])
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = words.next()?.parse().ok().filter(|number: &f32| number.is_finite())?;
+    }
+    Some(numbers)
 }

@@ -54,6 +54,8 @@ pub(super) struct Survey {
     pub has_long_vertices: bool,
     /// True if any normal is not made of three finite numbers.
     pub has_odd_normals: bool,
+    /// True if texture coordinates are named that the file does not have, so that none are read.
+    lacks_textures: bool,
     /// Counts of positions, texture coordinates and normals.
     counts: [i64; 3],
     /// The largest index of each in this section, and its line.
@@ -84,6 +86,7 @@ impl Survey {
             notes: Notes::default(),
             has_long_vertices: false,
             has_odd_normals: false,
+            lacks_textures: false,
             counts: [0; 3],
             largest: [(0, 0); 3],
             corners: 0,
@@ -103,6 +106,11 @@ impl Survey {
     /// True if there are normals, and corners without one.
     pub fn has_partial_normals(&self) -> bool {
         self.counts[NORMAL] > 0 && self.with_normal < self.corners
+    }
+
+    /// True if texture coordinates are read: if a material looks at them, and all that are named are there.
+    pub fn reads_textures(&self) -> bool {
+        self.libraries.has_textures() && !self.lacks_textures
     }
 
     fn statement(&mut self, statement: &Statement, folder: &Path, files: &Files) -> Result<(), Flaw> {
@@ -187,7 +195,7 @@ impl Survey {
 
     fn normal(&mut self, statement: &Statement) {
         self.counts[NORMAL] += 1;
-        if finite_numbers(statement.values()).is_none() {
+        if finite_numbers::<3>(statement.values()).is_none() {
             self.has_odd_normals = true;
             let kind = "normals that are not three finite numbers are replaced, in line";
             self.notes.add(kind, statement.line.to_string());
@@ -236,8 +244,9 @@ impl Survey {
     }
 
     fn lost_texture(&mut self, line: usize) {
-        let kind = "texture coordinates that the file does not have are left out, in line";
+        let kind = "without texture coordinates, since some are named that the file does not have, in line";
         self.notes.add(kind, line.to_string());
+        self.lacks_textures = true;
     }
 
     /// Checks the indices of a section at its end, where `tobj` looks them up.
@@ -248,15 +257,15 @@ impl Survey {
                 return Err(out_of_range(column, index, known, count).at(format!("line {line}")));
             }
         }
+        let (index, line) = self.largest[TEXTURE];
+        if index > self.counts[TEXTURE] {
+            self.lost_texture(line);
+        }
         Ok(())
     }
 
     fn finish(mut self) -> Result<Self, Flaw> {
         self.check_indices("the file has")?;
-        let (index, line) = self.largest[TEXTURE];
-        if index > self.counts[TEXTURE] {
-            self.lost_texture(line);
-        }
         if self.lines > 0 {
             self.notes.add("line elements have no surface and are ignored", self.lines.to_string());
         }

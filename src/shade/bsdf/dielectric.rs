@@ -30,6 +30,10 @@ impl Bsdf for Dielectric {
         Bounce { direction, weight: self.tint, density: 0.0, crosses }
     }
 
+    fn tinted(self, factor: Vec3) -> Self {
+        Self { tint: factor * self.tint, ..self }
+    }
+
     fn albedo(&self) -> Vec3 {
         self.tint
     }

@@ -38,6 +38,10 @@ impl Bsdf for Diffuse {
         Response { bsdf: self.albedo * density as f32, density }
     }
 
+    fn tinted(self, factor: Vec3) -> Self {
+        Self { albedo: factor * self.albedo }
+    }
+
     fn albedo(&self) -> Vec3 {
         self.albedo
     }

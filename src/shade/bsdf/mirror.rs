@@ -26,6 +26,10 @@ impl Bsdf for Mirror {
         Bounce { direction, weight: self.reflectance, density: 0.0, crosses: false }
     }
 
+    fn tinted(self, factor: Vec3) -> Self {
+        Self { reflectance: factor * self.reflectance }
+    }
+
     fn albedo(&self) -> Vec3 {
         self.reflectance
     }

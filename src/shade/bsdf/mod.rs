@@ -55,6 +55,11 @@ macro_rules! lobes {
                 match self { $(Self::$name(lobe) => lobe.evaluate(incidence, out),)* }
             }
 
+            /// The lobe with a factor on its colour: [`Bsdf::tinted`].
+            pub fn tinted(&self, factor: Vec3) -> Self {
+                match self { $(Self::$name(lobe) => Self::$name(lobe.tinted(factor)),)* }
+            }
+
             /// Colour in the albedo plane.
             pub fn albedo(&self) -> Vec3 {
                 match self { $(Self::$name(lobe) => lobe.albedo(),)* }

@@ -21,6 +21,9 @@ pub trait Bsdf: Row + Send + Sync {
         Response::default()
     }
 
+    /// The lobe with a factor on its colour.
+    fn tinted(self, factor: Vec3) -> Self;
+
     /// Colour in the albedo plane: scattered fraction of the light.
     fn albedo(&self) -> Vec3;
 

@@ -46,6 +46,7 @@ pub fn room(scene: &Baked, triangles: usize) -> (Baked, usize) {
             Material::default(),
             Material { emission: Vec3::splat(EMISSION), ..Material::default() },
         ],
+        textures: Vec::new(),
         entities: vec!["walls".to_owned(), "lamp".to_owned()],
         punctual: Vec::new(),
         environment: Environment::Black,

@@ -9,6 +9,7 @@ use super::super::illumination::{Illumination, has_specular};
 use super::super::job::Job;
 use super::super::ray_batch::RayBatch;
 use super::super::stages::meet::meet;
+use super::super::stages::pass::{behind, opacity};
 use super::super::transport::{Landing, Outcome, Start, Transport};
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::Baked;
@@ -17,6 +18,10 @@ use crate::spacetime::Side;
 
 /// Most mirrors and glass surfaces on the way of a photon.
 const MOST_HOPS: u32 = 8;
+/// Set of the random numbers for the first surface that a photon may pass through: those before are for hops.
+const FIRST_LOOK: u32 = 2 + MOST_HOPS;
+/// Most surfaces that a photon looks at so.
+const MOST_LOOKS: u32 = 64;
 /// Photons that are followed together.
 const TOGETHER: u32 = 1024;
 
@@ -48,7 +53,8 @@ fn guides<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -
         return None;
     }
     let sampler = Sampler::independent(scene.settings.seed);
-    let shower = Shower { scene, lights, powers: &powers, sampler, halt: &job.halt };
+    let shower =
+        Shower { scene, lights, powers: &powers, sampler, has_passages: job.has_passages, halt: &job.halt };
     let photons: Vec<Photon> = (0..count.div_ceil(TOGETHER))
         .into_par_iter()
         .map_init(RayBatch::default, |batch, part| {
@@ -68,6 +74,7 @@ struct Shower<'a> {
     /// Sums of the powers of the lamps up to each.
     powers: &'a [f64],
     sampler: Sampler,
+    has_passages: bool,
     halt: &'a Halt<'a>,
 }
 
@@ -75,6 +82,8 @@ struct Shower<'a> {
 struct Flying {
     index: u32,
     hops: u32,
+    /// Surfaces so far that it might have passed through.
+    looks: u32,
     media: Media,
     path: PathHash,
 }
@@ -131,13 +140,23 @@ impl Shower<'_> {
         let direction = shade::sample_cosine(outwards, u, v);
         let mut path = PathHash::default();
         path.add(self.scene.geometry.surface(emitter.primitive).entity);
-        let photon = Flying { index, hops: 0, media: Media::VACUUM, path };
+        let photon = Flying { index, hops: 0, looks: 0, media: Media::VACUUM, path };
         let (position, origin_prim) = (spot.position, emitter.primitive);
         Some((photon, Start { position, direction, origin_prim, carried: C::default() }))
     }
 
     fn land<C>(&self, photon: Flying, landing: &Landing, carried: C) -> Event<C> {
-        let Flying { index, hops, media, mut path } = photon;
+        let Flying { index, hops, looks, media, mut path } = photon;
+        let opacity = if self.has_passages { opacity(self.scene, landing) } else { 1.0 };
+        if opacity < 1.0 && looks < MOST_LOOKS {
+            let [number, ..] = self.numbers(index, FIRST_LOOK + looks);
+            if number >= opacity {
+                return Event::Goes(
+                    Flying { index, hops, looks: looks + 1, media, path },
+                    behind(landing, carried),
+                );
+            }
+        }
         let meeting = meet(self.scene, landing, media);
         let (material, incidence) = (meeting.material(self.scene), meeting.incidence(landing.direction));
         path.add(meeting.surface.surface.entity);
@@ -157,7 +176,13 @@ impl Shower<'_> {
         path.add(u32::from(bounce.direction.dot(incidence.normal) > 0.0));
         let &Landing { position, primitive: origin_prim, .. } = landing;
         Event::Goes(
-            Flying { index, hops: hops + 1, media: meeting.media_after(&bounce, media), path },
+            Flying {
+                index,
+                hops: hops + 1,
+                looks: looks + 1,
+                media: meeting.media_after(&bounce, media),
+                path,
+            },
             Start { position, direction: bounce.direction, origin_prim, carried },
         )
     }

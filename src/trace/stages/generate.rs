@@ -19,6 +19,7 @@ pub fn start(job: &Job, work: &Work, index: u32) -> Path {
         sample: work.first_sample + index % work.samples,
         slot: index,
         depth: 1,
+        looks: 0,
         throughput: Vec3::ONE,
         gathers,
         radiance: Vec3::ZERO,

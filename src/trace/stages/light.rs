@@ -10,6 +10,7 @@ use super::super::vertex::Vertex;
 use super::deposit::{EmitterId, LightSource, deposit};
 use super::draw::Draw;
 use super::meet::{Meeting, meet};
+use super::pass::passes as passes_through;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
 use crate::shade::Response;
@@ -74,9 +75,11 @@ pub fn brings(
 pub enum LightRayProgress<Flight> {
     /// It flies on.
     Flying(Flight),
+    /// It passes through the surface that it landed on.
+    Passes(Landing),
     /// It ended: at its target or not.
     Ended(bool),
-    /// One that is aimed through mirrors and glass landed.
+    /// One that is aimed through mirrors and glass, or at a textured lamp, landed.
     Landed(Landing),
     /// One so aimed, or at a part of the sky, left to infinity.
     Escaped(AtInfinity),
@@ -89,20 +92,21 @@ pub fn settle<T: Transport>(
     illumination: &Illumination,
     transport: &T,
     (flight, step, found): (&T::Flight, &T::Move, Option<Found>),
+    path: &mut Path,
     vertex: &Vertex,
 ) -> (LightRayProgress<T::Flight>, T::Carried) {
     if passes_its_light(illumination, transport, (flight, step, found), vertex) {
         return (LightRayProgress::Ended(true), T::Carried::default());
     }
-    let geometry = lands_exactly(vertex).then_some(&job.scene.geometry);
+    let geometry = lands_exactly(job, vertex).then_some(&job.scene.geometry);
     let (outcome, carried) = transport.settle(geometry, flight, step, found);
-    (conclude(illumination, vertex, outcome), carried)
+    (conclude(job, illumination, path, vertex, outcome), carried)
 }
 
 /// True if the exact landing of a light ray matters: if it goes on from there.
 #[inline]
-pub fn lands_exactly(vertex: &Vertex) -> bool {
-    vertex.target == Target::ThroughSpecular
+pub fn lands_exactly(job: &Job, vertex: &Vertex) -> bool {
+    job.has_passages || vertex.target == Target::ThroughSpecular
 }
 
 /// True if a light ray passes the punctual light that it is aimed at.
@@ -123,18 +127,24 @@ pub fn passes_its_light<T: Transport>(
 /// Progress of a light ray, from the outcome of its move.
 #[inline]
 pub fn conclude<Flight>(
+    job: &Job,
     illumination: &Illumination,
+    path: &mut Path,
     vertex: &Vertex,
     outcome: Outcome<Flight>,
 ) -> LightRayProgress<Flight> {
     let after_specular = vertex.target == Target::ThroughSpecular;
     match outcome {
         Outcome::Flying(next) => LightRayProgress::Flying(next),
+        Outcome::Landed(landing) if passes_through(job, path, &landing) => LightRayProgress::Passes(landing),
         Outcome::Landed(landing) if after_specular => LightRayProgress::Landed(landing),
         Outcome::Escaped(there) if after_specular || matches!(vertex.target, Target::SkyTile(..)) => {
             LightRayProgress::Escaped(there)
         }
-        Outcome::Landed(landing) => LightRayProgress::Ended(illumination.reaches(vertex.target, &landing)),
+        Outcome::Landed(landing) => match illumination.reaches(vertex.target, &landing) {
+            true if illumination.lights.varies(landing.primitive) => LightRayProgress::Landed(landing),
+            is_reached => LightRayProgress::Ended(is_reached),
+        },
         // What a ray that leaves was aimed at without passing it lies beyond all geometry.
         Outcome::Escaped(there) => LightRayProgress::Ended(match vertex.target {
             Target::Infinity(side) => side == there.side,
@@ -147,10 +157,22 @@ pub fn conclude<Flight>(
     }
 }
 
-/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them: the unit direction in
-/// which it goes on, or `None` if it ends.
+/// Adds what a light ray sees where it landed, and takes one that is aimed through mirrors and glass through them: the
+/// unit direction in which it goes on, or `None` if it ends.
 #[inline]
-pub fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
+pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
+    if vertex.target == Target::ThroughSpecular {
+        return through_specular(job, path, vertex, landing);
+    }
+    if let Some(source) = LightSource::reached(vertex) {
+        let meeting = meet(job.scene, landing, vertex.media);
+        deposit(path, source, || vertex.brings * meeting.material(job.scene).emission);
+    }
+    None
+}
+
+/// Takes a light ray through a mirror or glass, and adds what emits behind the first of them.
+fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let meeting = meet(job.scene, landing, vertex.media);
     let material = meeting.material(job.scene);
     let front = landing.direction.dot(meeting.surface.normal) < 0.0;

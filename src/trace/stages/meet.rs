@@ -17,17 +17,21 @@ pub struct Meeting {
     eta: f64,
     /// Dielectrics around light that goes through.
     pub beyond: Media,
+    /// The material there, if textures vary it.
+    textured: Option<Material>,
 }
 
 /// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
 /// there: what is solid stops light, and further glass is crossed with it.
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
-    let surface = surface_at(scene, landing.primitive, landing);
+    let primitive = landing.primitive;
+    let surface = surface_at(scene, primitive, landing);
     if is_glass(scene, &surface) {
         return meet_upon(scene, landing, media, surface);
     }
-    Meeting { primitive: landing.primitive, surface, eta: 1.0, beyond: media }
+    let textured = textured(scene, primitive, landing, &surface);
+    Meeting { primitive, surface, eta: 1.0, beyond: media, textured }
 }
 
 impl Meeting {
@@ -39,8 +43,8 @@ impl Meeting {
 
     /// Material of the surface.
     #[inline(always)]
-    pub fn material<'a>(&self, scene: &'a Baked) -> &'a Material {
-        &scene.materials[self.surface.surface.material as usize]
+    pub fn material<'a>(&'a self, scene: &'a Baked) -> &'a Material {
+        self.textured.as_ref().unwrap_or(&scene.materials[self.surface.surface.material as usize])
     }
 
     /// Dielectrics around a path in `media` after a bounce.
@@ -62,6 +66,30 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
 
+/// The material where a path lands, if textures vary it.
+#[inline(always)]
+fn textured(
+    scene: &Baked,
+    primitive: PrimitiveId,
+    landing: &Landing,
+    surface: &SurfacePoint,
+) -> Option<Material> {
+    let material = &scene.materials[surface.surface.material as usize];
+    if material.maps.is_empty() { None } else { look_up(scene, material, primitive, landing) }
+}
+
+/// The material at a point of a mesh; `None` on what has no vertices.
+#[inline(never)]
+fn look_up(
+    scene: &Baked,
+    material: &Material,
+    primitive: PrimitiveId,
+    landing: &Landing,
+) -> Option<Material> {
+    let point = scene.geometry.mesh_point(primitive, landing.position)?;
+    Some(material.at(&point, 0.0, &scene.textures))
+}
+
 /// Meets glass with what lies upon it.
 #[inline(never)]
 fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint) -> Meeting {
@@ -70,10 +98,12 @@ fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        return Meeting { primitive: solid, surface, eta: 1.0, beyond: media };
+        let textured = textured(scene, solid, landing, &surface);
+        return Meeting { primitive: solid, surface, eta: 1.0, beyond: media, textured };
     }
     let faces = std::iter::once(face(&glass)).chain(others().map(|(_, other)| face(&other)));
     let crossing = InterfaceCrossing::of(media, faces);
     let eta = relative_index(&scene.materials, &crossing);
-    Meeting { primitive, surface: glass, eta, beyond: crossing.into }
+    let textured = textured(scene, primitive, landing, &glass);
+    Meeting { primitive, surface: glass, eta, beyond: crossing.into, textured }
 }

@@ -5,17 +5,18 @@ use super::super::path::Path;
 use super::super::ray_end::RayEnd;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
+use super::meet::Meeting;
 use crate::film::CameraRay;
-use crate::geometry::SurfacePoint;
 use crate::scene::Background;
 use crate::spacetime::Side;
 
 /// Records the surface that a camera ray lands on; later rays are not recorded.
 #[inline]
-pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePoint, samples: &mut Samples) {
+pub fn record_hit(job: &Job, path: &Path, landing: &Landing, meeting: &Meeting, samples: &mut Samples) {
     if path.depth > 1 || !samples.needs().camera_ray {
         return;
     }
+    let (material, surface) = (meeting.material(job.scene), &meeting.surface);
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
         fate: RayEnd::Hit,
@@ -23,7 +24,7 @@ pub fn record_hit(job: &Job, path: &Path, landing: &Landing, surface: &SurfacePo
         length: ray.length,
         position: landing.position,
         normal: surface.shading_normal,
-        albedo: job.scene.materials[surface.surface.material as usize].albedo(),
+        albedo: material.albedo(),
         entity: surface.surface.entity,
     };
 }

@@ -99,7 +99,7 @@ struct LitMeeting {
 impl LitMeeting {
     /// Lobe that is hit, and how.
     #[inline(always)]
-    fn hit<'a>(&self, job: &Job<'a>, landing: &Landing) -> (&'a Lobe, Incidence) {
+    fn hit<'a>(&'a self, job: &Job<'a>, landing: &Landing) -> (&'a Lobe, Incidence) {
         (&self.meeting.material(job.scene).lobe, self.meeting.incidence(landing.direction))
     }
 }
@@ -116,7 +116,7 @@ fn arrive(
     samples: &mut Samples,
 ) -> Option<LitMeeting> {
     let meeting = meet(job.scene, landing, path.media);
-    record_hit(job, path, landing, &meeting.surface, samples);
+    record_hit(job, path, landing, &meeting, samples);
     emit(job, &meeting, landing, vertex, path);
     let is_specular = meeting.material(job.scene).is_specular();
     match path.gathers {

@@ -154,8 +154,8 @@ fn gauntlet() -> Geometry {
             .push((Instance { mesh: primitives.meshes.len() as u32, to_world: DAffine3::IDENTITY }, surface));
         primitives.meshes.push(Mesh {
             positions: vec![[x, -2.0, -1.0], [x, 3.0, -1.0], [x, 0.0, 4.0]],
-            normals: Vec::new(),
             triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
         });
     }
     Geometry::build(primitives)

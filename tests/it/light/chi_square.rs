@@ -121,7 +121,8 @@ fn around(form: &Form, view: &View) -> Directions {
 
 /// The probability of points of an emitter under its density over the area.
 fn of_emitter(form: Form, view: &View, random: &mut Random) -> f64 {
-    let emitter = Emitter { primitive: PrimitiveId::NONE, form, radiance: Vec3::ONE, both_sides: true };
+    let emitter =
+        Emitter { primitive: PrimitiveId::NONE, form, radiance: Vec3::ONE, varies: false, both_sides: true };
     let samples: Vec<_> = (0..COUNT)
         .map(|_| {
             let [u, v] = numbers(random);
@@ -264,7 +265,7 @@ fn skies_that_are_not_pictures_are_left_to_chance() {
         &[],
     );
     for environment in [Environment::Black, Environment::Constant(Vec3::ONE), sky] {
-        assert!(!Lights::new(&dark.geometry, &dark.materials, &environment, &[], 0.0).has_sky());
+        assert!(!Lights::new(&dark.geometry, (&dark.materials, &[]), &environment, &[], 0.0).has_sky());
     }
 }
 
@@ -423,7 +424,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
             None => (Box::new(StraightAim), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
-        let lights = Lights::new(geometry, materials, environment, punctual, floor);
+        let lights = Lights::new(geometry, (materials, &[]), environment, punctual, floor);
         let floor = geometry.shapes(|_| true).into_iter().rev();
         let on = floor.map(|(primitive, ..)| primitive).next().unwrap();
         let position = DVec3::new(0.4, 0.0, 0.3);

@@ -43,7 +43,7 @@ fn regions_among_several_holes_have_the_density_that_is_said_of_them() {
         let more = material("light", 0.5, 1.0)
             + &sphere(8.0 * random.in_cube(), random.log_between(0.05, 1.0), "light");
         let Baked { geometry, materials, environment, .. } = grey_room(&more);
-        let lights = Lights::new(&geometry, &materials, &environment, &[], 0.1);
+        let lights = Lights::new(&geometry, (&materials, &[]), &environment, &[], 0.1);
         let emitter = lights.emitters()[0];
         let sampler = FieldRegions::new(field, 20.0, 1);
         let (position, normal) = (8.0 * random.in_cube(), random.direction());

@@ -30,7 +30,7 @@ impl Lit {
             None => (Box::new(StraightAim), 0.0),
         };
         let Baked { geometry, materials, environment, punctual, .. } = &scene;
-        let lights = Lights::new(geometry, materials, environment, punctual, floor);
+        let lights = Lights::new(geometry, (materials, &[]), environment, punctual, floor);
         Self { scene, lights, sampler, max_winding }
     }
 

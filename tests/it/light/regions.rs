@@ -62,7 +62,7 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
         let sampler =
             Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), number as u32 % 2);
         let Baked { geometry, materials, environment, .. } = &scene;
-        let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+        let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         let samples: Vec<_> = (0..COUNT)
             .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
@@ -123,7 +123,7 @@ fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
         let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
         let frame = scene.spacetime.rest_frame();
         let sampler = Regions::new(PlacedHole::new(placement, &hole), frame, number as u32 % 2);
-        let lights = Lights::new(&scene.geometry, &[Material::default()], &sky(), &[], 0.1);
+        let lights = Lights::new(&scene.geometry, (&[Material::default()], &[]), &sky(), &[], 0.1);
         assert!(lights.has_sky() && lights.emitters().is_empty());
         let Environment::Image(picture) = sky() else { unreachable!() };
         let tiles = Sky::new(&picture).unwrap();
@@ -177,7 +177,7 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let position = radius(&mut random) * if along { -*axis } else { random.direction() };
         let position = if number % 7 == 0 { place } else { position };
         let scene = lamps(place, near(&mut random));
-        let lights = Lights::new(&scene.geometry, &scene.materials, &sky(), &[], 0.1);
+        let lights = Lights::new(&scene.geometry, (&scene.materials, &scene.textures), &sky(), &[], 0.1);
         let receiver = Receiver { position, normal: random.direction(), on: PrimitiveId::NONE };
         for _ in 0..20 {
             let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
@@ -243,7 +243,7 @@ fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
     let SpacetimeKind::Spinning { placement, hole } = scene.spacetime else { unreachable!() };
     let sampler = Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), 1);
     let Baked { geometry, materials, environment, .. } = &scene;
-    let lights = Lights::new(geometry, materials, environment, &[], 0.1);
+    let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
     let position = DVec3::new(0.0, 15.0, 0.0);
     let receiver = Receiver { position, normal: DVec3::NEG_Y, on: PrimitiveId::NONE };
     let mut random = Random::new(3);

@@ -34,7 +34,7 @@ fn light(
     normal: DVec3,
 ) -> (f64, f64, Vec<DVec3>) {
     let lights =
-        Lights::new(&Geometry::build(Primitives::default()), &[], &Environment::Black, &[light], 0.1);
+        Lights::new(&Geometry::build(Primitives::default()), (&[], &[]), &Environment::Black, &[light], 0.1);
     let receiver = Receiver { position, normal, on: PrimitiveId::NONE };
     let (mut sum, mut grain, mut directions): (f64, f64, Vec<DVec3>) = (0.0, 0.0, Vec::new());
     for i in 0..CHOICES {

@@ -27,7 +27,7 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
         + &sphere(y, radius, "light");
     let Baked { geometry, materials, environment, punctual, .. } = scene(&text);
     let aim = Lensed::new(Schwarzschild::new(r_s), DVec3::ZERO, rows.len() as u32 - 1).unwrap();
-    let lights = Lights::new(&geometry, &materials, &environment, &punctual, 0.1);
+    let lights = Lights::new(&geometry, (&materials, &[]), &environment, &punctual, 0.1);
     let directions: Vec<DVec3> = rows.iter().map(|row| row.vector(["dx0", "dx1", "dx2"])).collect();
     // Which side of the surface is lit is of no interest: a normal halfway to all images.
     let normal = directions.iter().sum::<DVec3>().normalize_or(DVec3::Z);

@@ -3,14 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset → light → shade,
+/// Each folder with the others that it may use: cli → study → plot → film, trace → scene → asset → light → shade →
 /// geometry → geodesic → spacetime → math; `text` is for all that says something.
 const ALLOWED: [(&str, &[&str]); 13] = [
     ("math", &[]),
     ("spacetime", &["math"]),
     ("geodesic", &["spacetime", "math"]),
     ("geometry", &["geodesic", "spacetime", "math"]),
-    ("shade", &["math"]),
+    ("shade", &["geometry", "math"]),
     ("light", &["shade", "geometry", "geodesic", "spacetime", "math"]),
     ("asset", &["light", "geometry", "shade", "math", "text"]),
     ("film", &["asset", "spacetime", "math", "text"]),

@@ -1,0 +1,11 @@
+//! Pictures on surfaces.
+
+mod image;
+mod lookup;
+mod maps;
+mod opacity;
+
+pub use image::{MipImage, Raster};
+pub use lookup::{Texture, UvTransform, Wrap};
+pub use maps::{Maps, TextureId};
+pub use opacity::{Channel, Opacity};
