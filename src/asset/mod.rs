@@ -15,6 +15,7 @@ mod notes;
 mod obj;
 mod primaries;
 mod statements;
+mod tangents;
 mod textures;
 mod tidy;
 

@@ -178,6 +178,7 @@ pub(super) struct SharedMesh {
 }
 
 /// A placed mesh.
+#[derive(Debug)]
 pub(super) struct Placed {
     pub(super) mesh: u32,
     pub(super) to_object: DAffine3,

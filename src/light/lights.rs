@@ -92,7 +92,7 @@ impl Lights {
             .into_par_iter()
             .map(|(primitive, shape, surface)| {
                 let material = material(surface.material);
-                let varies = material.maps.emission.is_some();
+                let varies = material.emission_varies();
                 let radiance = if varies {
                     mean_radiance(geometry, (material, textures), primitive, &shape)
                 } else {

@@ -9,7 +9,7 @@ use super::components::{MeshHandle, MeshShape, WorldTransform};
 use super::error::Fault;
 use super::systems::invertible;
 use super::world::World;
-use crate::geometry::Mesh;
+use crate::geometry::{Attributes, Mesh};
 
 /// Area of a flattened square, relative to that of one over its longest side, below which it is a line.
 const THIN: f64 = 1e-9;
@@ -134,7 +134,8 @@ fn flat_copy(world: &mut World, mesh: MeshHandle, normal: DVec3) -> MeshHandle {
     };
     let triangles =
         mesh.triangles.iter().filter(|triangle| has_area(triangle.map(corner))).copied().collect();
-    let attributes = mesh.attributes.clone();
+    // Those of triangles are not those of the others any more.
+    let attributes = Attributes { tangents: Vec::new(), ..mesh.attributes.clone() };
     world.meshes.push(Mesh { positions, normals: Vec::new(), triangles, attributes });
     MeshHandle((world.meshes.len() - 1) as u32)
 }

@@ -1,10 +1,10 @@
 //! Material of a surface: one lobe and an emission, which textures may vary.
 
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 
 use super::bsdf::{Diffuse, Lobe};
 use super::media::InterfaceCrossing;
-use super::texture::{Maps, Opacity, Texture, TextureId};
+use super::texture::{Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
 use crate::geometry::MeshPoint;
 
 /// A material: a lobe and what the surface emits.
@@ -38,17 +38,30 @@ impl Default for Material {
 impl Material {
     /// The material at a point of a mesh, seen by a beam of a width, by textures numbered as its maps say.
     pub fn at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Self {
-        let Maps { base_color, emission, vertex_colors } = self.maps;
+        let Maps { base_color, emission, vertex_colors, .. } = self.maps;
         let factor = |map: Option<TextureId>| match map {
             Some(TextureId(id)) => textures[id as usize].at(point, width),
             None => Vec4::ONE,
         };
-        let tint = factor(base_color) * if vertex_colors { point.color() } else { Vec4::ONE };
+        let (mut base_color, mut emission) = (factor(base_color), factor(emission));
+        match vertex_colors {
+            VertexColors::Nothing => {}
+            VertexColors::BaseColor => base_color *= point.color(),
+            VertexColors::Emission => emission *= point.color(),
+        }
         Self {
-            lobe: self.lobe.tinted(tint.truncate()),
-            emission: self.emission * factor(emission).truncate(),
+            lobe: self.lobe.tinted(base_color.truncate()),
+            emission: self.emission * emission.truncate(),
             ..*self
         }
+    }
+
+    /// Unit shading normal in the world at a point of a mesh, if a texture tells.
+    pub fn normal_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
+        let NormalMap { texture: TextureId(id), scale } = self.maps.normal?;
+        let texel = textures[id as usize].at(point, width);
+        let [x, y, z] = (2.0 * texel.truncate() - 1.0).to_array();
+        point.from_tangent_space([scale * x, scale * y, z].map(f64::from))
     }
 
     /// The same with textures numbered from `first` on.
@@ -67,12 +80,17 @@ impl Material {
 
     /// The same with another emission all over.
     pub fn emitting(&self, emission: Vec3) -> Self {
-        Self { emission, maps: Maps { emission: None, ..self.maps }, ..*self }
+        Self { emission, maps: self.maps.without_emission(), ..*self }
     }
 
     /// True if the surface emits light at all.
     pub fn emits(&self) -> bool {
         self.emission != Vec3::ZERO
+    }
+
+    /// True if the emission is not the same all over a surface.
+    pub fn emission_varies(&self) -> bool {
+        self.maps.emission.is_some() || self.maps.vertex_colors == VertexColors::Emission
     }
 
     /// True if light from one direction leaves in many: light sampling helps.

@@ -16,4 +16,6 @@ pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
-pub use texture::{Channel, Maps, MipImage, Opacity, Raster, Texture, TextureId, UvTransform, Wrap};
+pub use texture::{
+    Channel, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureId, UvTransform, VertexColors, Wrap,
+};

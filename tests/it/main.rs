@@ -43,6 +43,7 @@ mod light {
     mod lights_near_the_hole;
     mod regions;
     mod spinning_lights;
+    mod textures;
 }
 
 mod pictures {

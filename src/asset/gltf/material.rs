@@ -6,7 +6,9 @@ use gltf::material::AlphaMode;
 use super::texture::{TextureInfo, Textures};
 use crate::asset::image::Encoding;
 use crate::asset::notes::Notes;
-use crate::shade::{Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, TextureId};
+use crate::shade::{
+    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, NormalMap, Opacity, TextureId, VertexColors,
+};
 
 /// Largest roughness that counts as a perfect mirror or clear glass.
 const SMOOTH: f32 = 0.05;
@@ -16,12 +18,15 @@ const DEFAULT_IOR: f32 = 1.5;
 const DEFAULT_CUTOFF: f32 = 0.5;
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
+/// Extension of materials that look the same in any light.
+const UNLIT: &str = "KHR_materials_unlit";
 /// Extensions of materials that are read here.
-const READ: [&str; 4] = [
+const READ: [&str; 5] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_transmission",
     "KHR_materials_specular",
+    UNLIT,
 ];
 
 /// The nearest material that the tracer has; what is lost goes to `notes`.
@@ -42,7 +47,8 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
     let maps = Maps {
         base_color: map("base colour", pbr.base_color_texture()),
         emission: map("emission", material.emissive_texture().filter(|_| emission != Vec3::ZERO)),
-        vertex_colors: false,
+        normal: normal_map(material, textures, notes, &name),
+        vertex_colors: VertexColors::Nothing,
     };
     let cutoff = match material.alpha_mode() {
         AlphaMode::Opaque => None,
@@ -55,6 +61,11 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         by_vertices: false,
         cutoff,
     });
+    if is_unlit(material) {
+        let lobe = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
+        let maps = Maps { emission: maps.base_color, ..Maps::default() };
+        return Material { lobe, emission: base, emits_both_sides: true, maps, opacity };
+    }
     Material {
         lobe: lobe(material, base, notes, &name),
         emission,
@@ -62,6 +73,11 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         maps,
         opacity,
     }
+}
+
+/// True if a material looks the same in any light: it emits its base colour, and reflects nothing.
+pub(super) fn is_unlit(material: &gltf::Material) -> bool {
+    material.extension_value(UNLIT).is_some()
 }
 
 fn name_of(material: &gltf::Material) -> String {
@@ -84,6 +100,22 @@ fn color_map(
     texture
         .map_err(|problem| notes.add(format!("{kind} texture is ignored ({problem}), in material"), name))
         .ok()
+}
+
+fn normal_map(
+    material: &gltf::Material,
+    textures: &mut Textures,
+    notes: &mut Notes,
+    name: &str,
+) -> Option<NormalMap> {
+    let map = material.normal_texture().filter(|map| map.scale().is_finite())?;
+    match textures.read(&TextureInfo::of_normals(&map), Encoding::Data) {
+        Ok(texture) => Some(NormalMap { texture, scale: map.scale() }),
+        Err(problem) => {
+            notes.add(format!("normal texture is ignored ({problem}), in material"), name);
+            None
+        }
+    }
 }
 
 fn emission(material: &gltf::Material, notes: &mut Notes, name: &str) -> Vec3 {
@@ -133,7 +165,6 @@ fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
     let transmission = material.transmission().is_some_and(|glass| glass.transmission_texture().is_some());
     let textures = [
         ("metal and roughness", pbr.metallic_roughness_texture().is_some()),
-        ("normal", material.normal_texture().is_some()),
         ("occlusion", material.occlusion_texture().is_some()),
         ("transmission", transmission),
     ];

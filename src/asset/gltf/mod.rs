@@ -23,9 +23,10 @@ use super::model::{Model, ModelCamera, ModelNode, Part};
 use super::notes::Notes;
 use buffers::Buffers;
 use gltf::json::validation::Checked;
-use texture::{Textures, UV_SETS};
+use primitive::AskedFor;
+use texture::Textures;
 
-use crate::shade::{Opacity, TextureId};
+use crate::shade::{Opacity, TextureId, VertexColors};
 
 /// Width over height of pictures that somebody may want.
 const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
@@ -189,9 +190,11 @@ impl GltfImport {
             if let Some(surface) = surface {
                 let material = self.material_index(&primitive);
                 if !self.model.meshes[surface].attributes.colors.is_empty() {
-                    let material = &mut self.model.materials[material];
-                    material.maps.vertex_colors = true;
-                    material.opacity.iter_mut().for_each(|opacity| opacity.by_vertices = true);
+                    let converted = &mut self.model.materials[material];
+                    let is_unlit = material::is_unlit(&primitive.material());
+                    converted.maps.vertex_colors =
+                        if is_unlit { VertexColors::Emission } else { VertexColors::BaseColor };
+                    converted.opacity.iter_mut().for_each(|opacity| opacity.by_vertices = true);
                 }
                 parts.push(Part { mesh: surface, material });
             }
@@ -207,8 +210,8 @@ impl GltfImport {
         buffers: &Buffers,
         name: &str,
     ) -> Result<Option<usize>, Flaw> {
-        let uv_sets = self.uv_sets(&primitive.material());
-        let Some(source) = primitive::source(primitive, uv_sets, &mut self.notes, name)? else {
+        let asked_for = self.asked_for(&primitive.material());
+        let Some(source) = primitive::source(primitive, asked_for, &mut self.notes, name)? else {
             return Ok(None);
         };
         if let Some(known) = self.surfaces.get(&source) {
@@ -237,17 +240,16 @@ impl GltfImport {
         Ok(index)
     }
 
-    /// Sets of texture coordinates that a material looks at.
-    fn uv_sets(&self, material: &gltf::Material) -> [bool; UV_SETS] {
-        let mut sets = [false; UV_SETS];
+    /// Attributes that a material asks for.
+    fn asked_for(&self, material: &gltf::Material) -> AskedFor {
+        let mut asked_for = AskedFor::default();
         let material = material.index().and_then(|index| self.model.materials.get(index));
-        for TextureId(id) in material.iter().flat_map(|material| material.textures()) {
-            let texture = self.model.textures.get(id as usize);
-            if let Some(set) = texture.and_then(|texture| sets.get_mut(texture.uv_set)) {
-                *set = true;
-            }
+        let uv_set = |TextureId(id): TextureId| Some(self.model.textures.get(id as usize)?.uv_set);
+        for set in material.iter().flat_map(|material| material.textures()).filter_map(uv_set) {
+            asked_for.uv_sets.get_mut(set).iter_mut().for_each(|set| **set = true);
         }
-        sets
+        asked_for.tangents = material.and_then(|material| uv_set(material.maps.normal?.texture));
+        asked_for
     }
 
     fn material_index(&mut self, primitive: &gltf::Primitive) -> usize {

@@ -8,6 +8,7 @@ use super::buffers::Buffers;
 use super::texture::UV_SETS;
 use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
+use crate::asset::tangents::make_tangents;
 use crate::asset::tidy::tidy;
 use crate::geometry::{Attributes, Mesh};
 
@@ -20,15 +21,33 @@ pub(super) struct SurfaceKey {
     /// Texture coordinates by set, of those that the material looks at.
     uvs: [Option<usize>; UV_SETS],
     colors: Option<usize>,
+    tangents: Option<TangentSource>,
     /// As in the file.
     mode: u32,
 }
 
-/// Source of a primitive of the mesh called `name`, with those sets of texture coordinates that are asked for; `None`
-/// if it has no surface.
+/// Source of tangents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum TangentSource {
+    /// An accessor.
+    Read(usize),
+    /// A set of texture coordinates, by which they are made.
+    Made(usize),
+}
+
+/// Attributes that a material asks for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AskedFor {
+    /// Sets of texture coordinates.
+    pub uv_sets: [bool; UV_SETS],
+    /// Tangents, with the set of texture coordinates by which they are made if there are none.
+    pub tangents: Option<usize>,
+}
+
+/// Source of a primitive of the mesh called `name`, with the attributes that are asked for; `None` if it has no surface.
 pub(super) fn source(
     primitive: &gltf::Primitive,
-    uv_sets: [bool; UV_SETS],
+    AskedFor { uv_sets, tangents }: AskedFor,
     notes: &mut Notes,
     name: &str,
 ) -> Result<Option<SurfaceKey>, Flaw> {
@@ -54,6 +73,13 @@ pub(super) fn source(
             Some(accessor?.index())
         }),
         colors: primitive.get(&Semantic::Colors(0)).map(|accessor| accessor.index()),
+        tangents: tangents.map(|uv_set| match primitive.get(&Semantic::Tangents) {
+            // Without normals, those of the file are not to be used.
+            Some(accessor) if primitive.get(&Semantic::Normals).is_some() => {
+                TangentSource::Read(accessor.index())
+            }
+            _ => TangentSource::Made(uv_set),
+        }),
         mode: primitive.mode().as_gl_enum(),
     }))
 }
@@ -97,7 +123,7 @@ pub(super) fn read(
         let fits = column.len() == positions.len();
         if !fits {
             notes.add(
-                "texture coordinates or colours do not match the vertices and are ignored, in mesh",
+                "texture coordinates, colours or tangents do not match the vertices and are ignored, in mesh",
                 name,
             );
         }
@@ -116,8 +142,18 @@ pub(super) fn read(
         let unit = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
         attributes.colors = vertices.iter().map(|&index| column.vector(index).map(unit)).collect();
     }
+    let tangents = match source.tangents {
+        Some(TangentSource::Read(_)) => attribute(Semantic::Tangents, &[Dimensions::Vec4])?,
+        Some(TangentSource::Made(_)) | None => None,
+    };
     let mut mesh = Mesh { positions: gather(&positions), normals, triangles, attributes };
     let dropped = tidy(&mut mesh)?;
+    if let Some(column) = tangents {
+        let tangent = |vertex: u32| column.vector(vertices[vertex as usize]);
+        mesh.attributes.tangents = mesh.triangles.iter().map(|triangle| triangle.map(tangent)).collect();
+    } else if let Some(TangentSource::Made(uv_set)) = source.tangents {
+        make_tangents(&mut mesh, uv_set);
+    }
     Ok((mesh, dropped))
 }
 

@@ -33,6 +33,11 @@ impl<'a> TextureInfo<'a> {
         Self::moved(info.texture(), info.tex_coord(), info.extension_value("KHR_texture_transform"))
     }
 
+    /// That of a normal map.
+    pub fn of_normals(map: &gltf::material::NormalTexture<'a>) -> Self {
+        Self::moved(map.texture(), map.tex_coord(), map.extension_value("KHR_texture_transform"))
+    }
+
     /// A texture by a set of coordinates, under the values of KHR_texture_transform.
     pub fn moved(texture: gltf::Texture<'a>, uv_set: u32, values: Option<&Value>) -> Self {
         let pair = |key: &str, default: f64| {

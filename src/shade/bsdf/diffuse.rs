@@ -25,16 +25,17 @@ impl Bsdf for Diffuse {
     #[inline(always)]
     fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
         let direction = sample_cosine(incidence.shading_normal, u[0].into(), u[1].into());
-        // A shading normal can send light through the surface; such paths carry nothing.
-        let passed = if direction.dot(incidence.normal) > 0.0 { 1.0 } else { 0.0 };
-        let density = cosine_density(incidence.shading_normal, direction);
+        // A shading normal can send light through the surface, which reflects it: no light is lost.
+        let height = direction.dot(incidence.normal);
+        let direction = direction - 2.0 * height.min(0.0) * incidence.normal;
+        let passed = if height != 0.0 { 1.0 } else { 0.0 };
+        let density = reflected_density(incidence, direction);
         Bounce { direction, weight: passed * self.albedo, density, crosses: false }
     }
 
     #[inline(always)]
     fn evaluate(&self, incidence: &Incidence, out: DVec3) -> Response {
-        let density = cosine_density(incidence.shading_normal, out);
-        let density = if out.dot(incidence.normal) > 0.0 { density } else { 0.0 };
+        let density = if out.dot(incidence.normal) > 0.0 { reflected_density(incidence, out) } else { 0.0 };
         Response { bsdf: self.albedo * density as f32, density }
     }
 
@@ -56,6 +57,13 @@ pub fn sample_cosine(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let [square, turns] = concentric(u, v);
     let (sin, cos) = sin_cos_turns::sin_cos(turns);
     square.sqrt() * (cos * tangent + sin * bitangent) + (1.0 - square).sqrt() * normal
+}
+
+/// Density of a direction above the surface, in solid angle: its own and that of its mirror image below.
+#[inline(always)]
+fn reflected_density(Incidence { normal, shading_normal, .. }: &Incidence, direction: DVec3) -> f64 {
+    let below = direction - 2.0 * direction.dot(*normal) * *normal;
+    cosine_density(*shading_normal, direction) + cosine_density(*shading_normal, below)
 }
 
 /// Density of [`sample_cosine`] in solid angle.

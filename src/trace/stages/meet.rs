@@ -26,11 +26,11 @@ pub struct Meeting {
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let primitive = landing.primitive;
-    let surface = surface_at(scene, primitive, landing);
+    let mut surface = surface_at(scene, primitive, landing);
     if is_glass(scene, &surface) {
         return meet_upon(scene, landing, media, surface);
     }
-    let textured = textured(scene, primitive, landing, &surface);
+    let textured = textured(scene, primitive, landing, &mut surface);
     Meeting { primitive, surface, eta: 1.0, beyond: media, textured }
 }
 
@@ -66,44 +66,48 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
 
-/// The material where a path lands, if textures vary it.
+/// The material where a path lands, if textures vary it; they may change the shading normal.
 #[inline(always)]
 fn textured(
     scene: &Baked,
     primitive: PrimitiveId,
     landing: &Landing,
-    surface: &SurfacePoint,
+    surface: &mut SurfacePoint,
 ) -> Option<Material> {
     let material = &scene.materials[surface.surface.material as usize];
-    if material.maps.is_empty() { None } else { look_up(scene, material, primitive, landing) }
+    if material.maps.is_empty() { None } else { look_up(scene, material, primitive, landing, surface) }
 }
 
-/// The material at a point of a mesh; `None` on what has no vertices.
+/// The material at a point of a mesh, whose shading normal may change; `None` on what has no vertices.
 #[inline(never)]
 fn look_up(
     scene: &Baked,
     material: &Material,
     primitive: PrimitiveId,
     landing: &Landing,
+    surface: &mut SurfacePoint,
 ) -> Option<Material> {
     let point = scene.geometry.mesh_point(primitive, landing.position)?;
+    if let Some(normal) = material.normal_at(&point, 0.0, &scene.textures) {
+        [_, surface.shading_normal] = landing.stretch.normals([normal; 2]);
+    }
     Some(material.at(&point, 0.0, &scene.textures))
 }
 
 /// Meets glass with what lies upon it.
 #[inline(never)]
-fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint) -> Meeting {
+fn meet_upon(scene: &Baked, landing: &Landing, media: Media, mut glass: SurfacePoint) -> Meeting {
     let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
-    if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        let textured = textured(scene, solid, landing, &surface);
+    if let Some((solid, mut surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
+        let textured = textured(scene, solid, landing, &mut surface);
         return Meeting { primitive: solid, surface, eta: 1.0, beyond: media, textured };
     }
     let faces = std::iter::once(face(&glass)).chain(others().map(|(_, other)| face(&other)));
     let crossing = InterfaceCrossing::of(media, faces);
     let eta = relative_index(&scene.materials, &crossing);
-    let textured = textured(scene, primitive, landing, &glass);
+    let textured = textured(scene, primitive, landing, &mut glass);
     Meeting { primitive, surface: glass, eta, beyond: crossing.into, textured }
 }

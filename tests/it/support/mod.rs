@@ -6,6 +6,7 @@ pub mod dice;
 pub mod heap;
 pub mod lit;
 pub mod orbits;
+pub mod quads;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

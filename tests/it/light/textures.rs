@@ -1,0 +1,210 @@
+//! Textures on surfaces: what a pixel sees of them, and what they light.
+
+use crate::support::lit::{Agreement, picture as noisy_picture};
+use crate::support::quads::{Quad, gltf, picture};
+use crate::support::{camera, film, hole, render, scene_with};
+use glam::DVec3;
+use image::RgbaImage;
+use serde_json::{Value, json};
+use warpfront::film::Image;
+use warpfront::scene::LightSampling::{Geodesic, Off};
+use warpfront::scene::{Baked, Schedule};
+use warpfront::trace::Run;
+
+/// A diffuse material without gloss.
+fn material(values: Value) -> Value {
+    let mut material = json!({
+        "extensions": { "KHR_materials_specular": { "specularFactor": 0 } },
+        "pbrMetallicRoughness": { "metallicFactor": 0 },
+    });
+    for (key, value) in values.as_object().expect("an object") {
+        match (&mut material[key], value) {
+            (Value::Object(known), Value::Object(more)) => known.extend(more.clone()),
+            (known, value) => *known = value.clone(),
+        }
+    }
+    material
+}
+
+fn scene(text: &str, quads: &[Quad], materials: &Value, images: &[RgbaImage]) -> Baked {
+    let text = format!("{text}[[entity]]\ngltf = \"a.gltf\"\n");
+    let scene = scene_with(&text, &[("a.gltf", &gltf(quads, materials, images))]);
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    scene
+}
+
+/// Four pixels that see the quarters of a quad, under a white sky.
+fn quarters(quad: Quad, material: Value, images: &[RgbaImage]) -> [[f32; 3]; 4] {
+    let view =
+        "[camera]\nposition = [0, 0, 1]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\nvertical_fov = 90.0\n";
+    let text = view.to_owned() + &film(2, 2) + "[environment]\ncolor = [1, 1, 1]\n";
+    let scene = scene(&text, &[quad], &json!([material]), images);
+    let image = render(&scene, &Run::default()).image;
+    [0, 1, 2, 3].map(|pixel| ["R", "G", "B"].map(|name| image.channel(name).expect(name)[pixel]))
+}
+
+/// The square that a camera at (0, 0, 1) with 90° sees.
+fn square() -> Quad {
+    Quad::new(DVec3::new(-1.0, -1.0, 0.0), 2.0 * DVec3::X, 2.0 * DVec3::Y, 0)
+}
+
+fn assert_near(found: [[f32; 3]; 4], expected: [[f32; 3]; 4]) {
+    for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
+        assert!((found - expected).abs() < 2e-6, "{found} for {expected}");
+    }
+}
+
+#[test]
+fn a_pixel_is_texel_times_factor_times_vertex_colour() {
+    let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [188, 188, 188, 255]];
+    let image = picture(2, &texels);
+    let textured = material(json!({ "pbrMetallicRoughness": {
+        "baseColorTexture": { "index": 0 }, "baseColorFactor": [1.0, 0.5, 0.25, 1.0],
+    } }));
+    let grey = 0.502_886_5;
+    let plain = [[1.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.25], [grey, 0.5 * grey, 0.25 * grey]];
+    assert_near(quarters(square(), textured.clone(), std::slice::from_ref(&image)), plain);
+    let coloured = Quad { colors: Some([[0.5, 0.25, 1.0, 1.0]; 4]), ..square() };
+    let tinted = plain.map(|[r, g, b]| [0.5 * r, 0.25 * g, b]);
+    assert_near(quarters(coloured, textured.clone(), std::slice::from_ref(&image)), tinted);
+    // Moved by half a picture, clamped; and turned by a quarter.
+    let moved = |transform: Value| {
+        let mut moved = textured.clone();
+        moved["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+            json!({ "KHR_texture_transform": transform });
+        moved
+    };
+    let right = quarters(square(), moved(json!({ "offset": [0.5, 0] })), std::slice::from_ref(&image));
+    assert_near(right, [plain[1], plain[1], plain[3], plain[3]]);
+    let turn = json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2 });
+    assert_near(
+        quarters(square(), moved(turn), std::slice::from_ref(&image)),
+        [plain[2], plain[0], plain[3], plain[1]],
+    );
+}
+
+#[test]
+fn only_meshes_whose_materials_look_at_them_have_texture_coordinates() {
+    let quads = |material: Value, images: &[RgbaImage]| scene("", &[square()], &json!([material]), images);
+    let image = picture(1, &[[255; 4]]);
+    let textured = material(json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
+    let [with, without] = [quads(textured, &[image]), quads(material(json!({})), &[])];
+    // Four coordinates of 8 bytes, a set of them, and two triangles that find them.
+    let more = with.geometry.memory_bytes() - without.geometry.memory_bytes();
+    assert_eq!(more, 4 * 8 + 2 * 12, "{more}");
+}
+
+/// A lamp over a floor, with walls: the right half of the lamp is dark, its left one coloured.
+fn lamp(text: &str) -> Baked {
+    let quads = [
+        Quad::new(DVec3::new(-3.0, 0.0, 3.0), 6.0 * DVec3::X, -6.0 * DVec3::Z, 0),
+        Quad::new(DVec3::new(-3.0, 0.0, -3.0), 6.0 * DVec3::X, 4.0 * DVec3::Y, 0),
+        Quad::new(DVec3::new(1.5, 3.0, -1.0), -3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
+    ];
+    let row = [[255, 128, 64, 255], [90, 255, 255, 255], [0, 0, 0, 255], [0, 0, 0, 255]];
+    let image = picture(4, [row, row].concat().as_slice());
+    let emits = material(json!({
+        "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 4.0 } },
+        "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1] },
+    }));
+    let text = camera(DVec3::new(0.0, 2.0, 8.0), DVec3::new(0.0, 1.5, 0.0), 50.0) + &film(24, 24) + text;
+    scene(&text, &quads, &json!([material(json!({})), emits]), &[image])
+}
+
+#[test]
+fn a_textured_lamp_lights_the_same_with_and_without_light_sampling() {
+    let around = hole(DVec3::new(1.0, 1.5, 0.5), 0.6);
+    for (what, spacetime) in [("flat", ""), ("around a hole", &around)] {
+        let mut scene = lamp(spacetime);
+        let with = noisy_picture(&mut scene, Geodesic, 128, 1);
+        let without = noisy_picture(&mut scene, Off, 1024, 2);
+        Agreement::of(&with, &without).check(what);
+    }
+}
+
+#[test]
+fn half_transparent_panels_throw_half_a_shadow() {
+    // A floor below a panel below a lamp far away, seen from beside the panel: with and without the panel.
+    let floor = || Quad::new(DVec3::new(-1.0, 0.0, 1.0), 2.0 * DVec3::X, -2.0 * DVec3::Z, 0);
+    let panel = Quad::new(DVec3::new(-9.0, 2.0, 9.0), 18.0 * DVec3::X, -18.0 * DVec3::Z, 1);
+    let black = |alpha: f64, mode: &str| {
+        material(json!({
+            "alphaMode": mode, "doubleSided": true,
+            "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, alpha] },
+        }))
+    };
+    let text = camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 20.0)
+        + &film(16, 16)
+        + "[render]\nmax_depth = 2\nspp = 64\n[[entity]]\nlight = { type = \"distant\", direction = [0, -1, 0], irradiance = 3 }\n";
+    let mean = |quads: &[Quad], panel: Value| {
+        let scene = scene(&text, quads, &json!([material(json!({})), panel]), &[]);
+        let image = render(&scene, &Run::default()).image;
+        let red = image.channel("R").expect("R");
+        red.iter().map(|value| f64::from(*value)).sum::<f64>() / red.len() as f64
+    };
+    let lit = mean(&[floor()], black(1.0, "OPAQUE"));
+    let quads = [floor(), panel];
+    let shares = [
+        (black(0.25, "BLEND"), 0.75),
+        (black(0.5, "BLEND"), 0.5),
+        (black(0.4, "MASK"), 1.0),
+        (black(0.6, "MASK"), 0.0),
+        (black(0.1, "OPAQUE"), 0.0),
+    ];
+    for (panel, share) in shares {
+        let found = mean(&quads, panel.clone()) / lit;
+        // 16384 samples: a deviation of 0.4 %.
+        assert!(
+            (found - share).abs() < 0.02 && (share * (1.0 - share) > 0.0 || found == share),
+            "{panel}: {found}"
+        );
+    }
+}
+
+/// A room whose lamp, floor and screen before both are textured, and the screen has holes.
+fn screened(text: &str) -> Baked {
+    let quads = [
+        Quad::new(DVec3::new(-3.0, 0.0, 3.0), 6.0 * DVec3::X, -6.0 * DVec3::Z, 0),
+        Quad::new(DVec3::new(1.5, 3.0, -1.0), -3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
+        Quad::new(DVec3::new(-2.0, 0.5, 2.0), 4.0 * DVec3::X, 2.0 * DVec3::Y, 2),
+    ];
+    let image = picture(2, &[[255, 128, 64, 255], [90, 255, 255, 0], [10, 20, 250, 128], [200, 30, 60, 255]]);
+    let map = json!({ "index": 0 });
+    let materials = json!([
+        material(json!({ "pbrMetallicRoughness": { "baseColorTexture": map } })),
+        material(json!({ "emissiveFactor": [1, 1, 1], "emissiveTexture": map })),
+        material(json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorTexture": map } })),
+    ]);
+    let text = camera(DVec3::new(0.0, 2.0, 8.0), DVec3::new(0.0, 1.5, 0.0), 50.0) + &film(24, 24) + text;
+    scene(&text, &quads, &materials, &[image])
+}
+
+#[test]
+fn a_textured_scene_is_the_same_by_either_schedule_bit_for_bit() {
+    let around = hole(DVec3::new(1.0, 1.5, 0.5), 0.6);
+    for spacetime in ["", &around] {
+        let mut scene = screened(spacetime);
+        scene.settings.spp = 16;
+        let mut image = |schedule: Schedule| -> Image {
+            scene.settings.schedule = schedule;
+            render(&scene, &Run::default()).image
+        };
+        let [one, other] = [Schedule::Wavefront, Schedule::PerPixel].map(&mut image);
+        for (a, b) in one.channels.iter().zip(&other.channels) {
+            let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&a.values), bits(&b.values), "{} {spacetime:?}", a.name);
+        }
+    }
+}
+
+#[test]
+fn a_screen_with_holes_looks_the_same_with_and_without_light_sampling() {
+    let around = hole(DVec3::new(1.0, 1.5, 0.5), 0.6);
+    for (what, spacetime) in [("flat", ""), ("around a hole", &around)] {
+        let mut scene = screened(spacetime);
+        let with = noisy_picture(&mut scene, Geodesic, 128, 1);
+        let without = noisy_picture(&mut scene, Off, 1024, 2);
+        Agreement::of(&with, &without).check(what);
+    }
+}
