@@ -120,6 +120,7 @@ struct CameraReport {
 #[derive(Serialize)]
 struct MemoryReport {
     geometry: u64,
+    textures: u64,
     environment: u64,
     film: u64,
 }
@@ -394,14 +395,16 @@ impl MemoryReport {
         let environment = Side::BOTH.map(bytes).iter().sum::<usize>();
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
+            textures: scene.texture_bytes() as u64,
             environment: environment as u64,
             film: memory::film_bytes(&scene.settings, run),
         }
     }
 
     fn text(&self) -> String {
-        let (geometry, environment, film) = (bytes(self.geometry), bytes(self.environment), bytes(self.film));
-        format!("geometry {geometry}, environment {environment}, film {film}")
+        let [geometry, textures, environment, film] =
+            [self.geometry, self.textures, self.environment, self.film].map(bytes);
+        format!("geometry {geometry}, textures {textures}, environment {environment}, film {film}")
     }
 }
 

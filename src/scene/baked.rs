@@ -1,5 +1,7 @@
 //! The tables that the tracer reads: a scene with every entity dissolved.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{Camera, Settings};
@@ -61,6 +63,14 @@ impl Baked {
             Side::Near => &self.environment,
             Side::Far => &self.far.environment,
         }
+    }
+
+    /// Memory of the images of textures, bytes.
+    pub fn texture_bytes(&self) -> usize {
+        let mut images: Vec<_> = self.textures.iter().map(|texture| &texture.image).collect();
+        images.sort_by_key(|image| Arc::as_ptr(image));
+        images.dedup_by(|one, other| Arc::ptr_eq(one, other));
+        images.iter().map(|image| image.memory_bytes()).sum()
     }
 
     /// Punctual lights of both sides, with their sides.

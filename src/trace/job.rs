@@ -2,7 +2,6 @@
 
 use super::halt::Halt;
 use super::illumination::Illumination;
-use super::stages::pass::has_passages;
 use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::{Media, Sampler};
@@ -34,7 +33,7 @@ impl<'a> Job<'a> {
         };
         let camera = &scene.camera;
         let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
-        let has_passages = has_passages(scene);
+        let has_passages = scene.materials.iter().any(|material| material.opacity.is_some());
         Self { scene, settings, sampler, media, has_passages, illumination: None, halt }
     }
 }

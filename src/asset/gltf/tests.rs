@@ -1,4 +1,5 @@
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -443,7 +444,7 @@ fn the_aspect_ratio_of_a_camera_is_read_if_it_makes_sense() {
 }
 
 #[test]
-fn emission_is_the_factor_times_the_mean_of_its_texture_and_bounded() {
+fn emission_is_a_bounded_factor_on_its_texture() {
     let files = GltfFolder::new();
     let picture = image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([if x + y == 0 { 255 } else { 0 }; 3]));
     picture.save(files.folder.path().join("lights.png")).unwrap();
@@ -460,9 +461,13 @@ fn emission_is_the_factor_times_the_mean_of_its_texture_and_bounded() {
         json!([emissive(0, 2.0), emissive(1, 1.0), emissive(2, 1.0), emissive(3, 3.4e38), emissive(2, 0.0)]);
     let read = files.load(model.to_string().as_bytes()).unwrap();
     let red: Vec<f32> = read.materials.iter().map(|material| material.emission.x).collect();
-    assert_eq!(red[..5], [2.0 / 64.0, 1.0 / 64.0, 1.0, 1e18, 0.0]);
+    assert_eq!(red[..5], [2.0, 1.0, 1.0, 1e18, 0.0]);
+    let maps: Vec<bool> = read.materials.iter().map(|material| material.maps.emission.is_some()).collect();
+    assert_eq!(maps[..5], [true, true, false, false, false]);
+    // One image, which two textures look at.
+    assert!(read.textures.len() == 2 && Arc::ptr_eq(&read.textures[0].image, &read.textures[1].image));
     let all = read.warnings.join("\n");
-    assert!(all.contains("emission texture is replaced by its mean, in material: lamp 0, lamp 1"), "{all}");
+    assert!(!all.contains("lamp 0") && !all.contains("lamp 1"), "{all}");
     assert!(all.contains("gone.png cannot be read") && all.contains("above 1e18 is clamped"), "{all}");
 }
 

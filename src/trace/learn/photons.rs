@@ -157,7 +157,7 @@ impl Shower<'_> {
                 );
             }
         }
-        let meeting = meet(self.scene, landing, media);
+        let meeting = meet(self.scene, landing, media, false);
         let (material, incidence) = (meeting.material(self.scene), meeting.incidence(landing.direction));
         path.add(meeting.surface.surface.entity);
         if !material.is_specular() {

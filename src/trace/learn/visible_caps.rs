@@ -72,7 +72,7 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         let (Shot { end, .. }, carried) =
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
-        let meeting = meet(scene, &landing, path.media);
+        let meeting = meet(scene, &landing, path.media, false);
         if meeting.material(scene).emits() {
             met.push((meeting.primitive, meeting.surface.normal));
         }

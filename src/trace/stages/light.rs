@@ -165,7 +165,7 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
         return through_specular(job, path, vertex, landing);
     }
     if let Some(source) = LightSource::reached(vertex) {
-        let meeting = meet(job.scene, landing, vertex.media);
+        let meeting = meet(job.scene, landing, vertex.media, false);
         deposit(path, source, || vertex.brings * meeting.material(job.scene).emission);
     }
     None
@@ -173,7 +173,7 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
 
 /// Takes a light ray through a mirror or glass, and adds what emits behind the first of them.
 fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
-    let meeting = meet(job.scene, landing, vertex.media);
+    let meeting = meet(job.scene, landing, vertex.media, false);
     let material = meeting.material(job.scene);
     let front = landing.direction.dot(meeting.surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {

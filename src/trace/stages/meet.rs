@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::super::transport::Landing;
+use super::look_up::look_up;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
 use crate::shade::{Bounce, Incidence, InterfaceCrossing, Material, Media, relative_index};
@@ -22,15 +23,15 @@ pub struct Meeting {
 }
 
 /// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
-/// there: what is solid stops light, and further glass is crossed with it.
+/// there: what is solid stops light, and further glass is crossed with it. The camera `is_seen` to look at it or not.
 #[inline(always)]
-pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
+pub fn meet(scene: &Baked, landing: &Landing, media: Media, is_seen: bool) -> Meeting {
     let primitive = landing.primitive;
     let mut surface = surface_at(scene, primitive, landing);
     if is_glass(scene, &surface) {
-        return meet_upon(scene, landing, media, surface);
+        return meet_upon(scene, landing, media, is_seen, surface);
     }
-    let textured = textured(scene, primitive, landing, &mut surface);
+    let textured = look_up(scene, primitive, landing, is_seen, &mut surface);
     Meeting { primitive, surface, eta: 1.0, beyond: media, textured }
 }
 
@@ -66,48 +67,26 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
     scene.materials[surface.surface.material as usize].is_dielectric()
 }
 
-/// The material where a path lands, if textures vary it; they may change the shading normal.
-#[inline(always)]
-fn textured(
-    scene: &Baked,
-    primitive: PrimitiveId,
-    landing: &Landing,
-    surface: &mut SurfacePoint,
-) -> Option<Material> {
-    let material = &scene.materials[surface.surface.material as usize];
-    if material.maps.is_empty() { None } else { look_up(scene, material, primitive, landing, surface) }
-}
-
-/// The material at a point of a mesh, whose shading normal may change; `None` on what has no vertices.
-#[inline(never)]
-fn look_up(
-    scene: &Baked,
-    material: &Material,
-    primitive: PrimitiveId,
-    landing: &Landing,
-    surface: &mut SurfacePoint,
-) -> Option<Material> {
-    let point = scene.geometry.mesh_point(primitive, landing.position)?;
-    if let Some(normal) = material.normal_at(&point, 0.0, &scene.textures) {
-        [_, surface.shading_normal] = landing.stretch.normals([normal; 2]);
-    }
-    Some(material.at(&point, 0.0, &scene.textures))
-}
-
 /// Meets glass with what lies upon it.
 #[inline(never)]
-fn meet_upon(scene: &Baked, landing: &Landing, media: Media, mut glass: SurfacePoint) -> Meeting {
+fn meet_upon(
+    scene: &Baked,
+    landing: &Landing,
+    media: Media,
+    is_seen: bool,
+    mut glass: SurfacePoint,
+) -> Meeting {
     let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
     if let Some((solid, mut surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        let textured = textured(scene, solid, landing, &mut surface);
+        let textured = look_up(scene, solid, landing, is_seen, &mut surface);
         return Meeting { primitive: solid, surface, eta: 1.0, beyond: media, textured };
     }
     let faces = std::iter::once(face(&glass)).chain(others().map(|(_, other)| face(&other)));
     let crossing = InterfaceCrossing::of(media, faces);
     let eta = relative_index(&scene.materials, &crossing);
-    let textured = textured(scene, primitive, landing, &mut glass);
+    let textured = look_up(scene, primitive, landing, is_seen, &mut glass);
     Meeting { primitive, surface: glass, eta, beyond: crossing.into, textured }
 }

@@ -8,6 +8,7 @@
 //! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
 //! | [`escape`] | direction at infinity, environment | radiance |
 //! | [`emit`] | landing, material | radiance |
+//! | [`look_up`] | landing, textures | material, shading normal |
 //! | [`pass`] | landing, material | a ray behind the surface |
 //! | [`deposit`] | source of light | radiance |
 //! | [`draw`] | path | random numbers |
@@ -25,6 +26,7 @@ pub mod escape;
 pub mod generate;
 pub mod intersect;
 pub mod light;
+pub mod look_up;
 pub mod meet;
 pub mod pass;
 pub mod record;

@@ -11,11 +11,6 @@ use crate::shade::Material;
 /// Most surfaces that the rays of a path look at so; the next is opaque.
 const MOST: u32 = 1 << 12;
 
-/// True if a scene has surfaces that rays may pass through.
-pub fn has_passages(scene: &Baked) -> bool {
-    scene.materials.iter().any(|material| material.opacity.is_some())
-}
-
 /// Opacity where a ray lands.
 pub fn opacity(scene: &Baked, landing: &Landing) -> f32 {
     let &Landing { primitive, position, .. } = landing;

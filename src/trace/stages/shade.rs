@@ -115,7 +115,7 @@ fn arrive(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<LitMeeting> {
-    let meeting = meet(job.scene, landing, path.media);
+    let meeting = meet(job.scene, landing, path.media, path.depth == 1);
     record_hit(job, path, landing, &meeting, samples);
     emit(job, &meeting, landing, vertex, path);
     let is_specular = meeting.material(job.scene).is_specular();

@@ -85,7 +85,9 @@ fn a_pixel_is_texel_times_factor_times_vertex_colour() {
 
 #[test]
 fn only_meshes_whose_materials_look_at_them_have_texture_coordinates() {
-    let quads = |material: Value, images: &[RgbaImage]| scene("", &[square()], &json!([material]), images);
+    let quads = |material: Value, images: &[RgbaImage]| {
+        scene("[environment]\ncolor = [1, 1, 1]\n", &[square()], &json!([material]), images)
+    };
     let image = picture(1, &[[255; 4]]);
     let textured = material(json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
     let [with, without] = [quads(textured, &[image]), quads(material(json!({})), &[])];
@@ -99,7 +101,7 @@ fn lamp(text: &str) -> Baked {
     let quads = [
         Quad::new(DVec3::new(-3.0, 0.0, 3.0), 6.0 * DVec3::X, -6.0 * DVec3::Z, 0),
         Quad::new(DVec3::new(-3.0, 0.0, -3.0), 6.0 * DVec3::X, 4.0 * DVec3::Y, 0),
-        Quad::new(DVec3::new(1.5, 3.0, -1.0), -3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
+        Quad::new(DVec3::new(-1.5, 3.0, -1.0), 3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
     ];
     let row = [[255, 128, 64, 255], [90, 255, 255, 255], [0, 0, 0, 255], [0, 0, 0, 255]];
     let image = picture(4, [row, row].concat().as_slice());
@@ -136,7 +138,7 @@ fn half_transparent_panels_throw_half_a_shadow() {
     };
     let text = camera(DVec3::new(0.0, 1.0, 2.0), DVec3::ZERO, 20.0)
         + &film(16, 16)
-        + "[render]\nmax_depth = 2\nspp = 64\n[[entity]]\nlight = { type = \"distant\", direction = [0, -1, 0], irradiance = 3 }\n";
+        + "[render]\nmax_depth = 2\nspp = 64\n[[entity]]\nlight = { kind = \"distant\", direction = [0, -1, 0], irradiance = 3 }\n";
     let mean = |quads: &[Quad], panel: Value| {
         let scene = scene(&text, quads, &json!([material(json!({})), panel]), &[]);
         let image = render(&scene, &Run::default()).image;
@@ -166,7 +168,7 @@ fn half_transparent_panels_throw_half_a_shadow() {
 fn screened(text: &str) -> Baked {
     let quads = [
         Quad::new(DVec3::new(-3.0, 0.0, 3.0), 6.0 * DVec3::X, -6.0 * DVec3::Z, 0),
-        Quad::new(DVec3::new(1.5, 3.0, -1.0), -3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
+        Quad::new(DVec3::new(-1.5, 3.0, -1.0), 3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
         Quad::new(DVec3::new(-2.0, 0.5, 2.0), 4.0 * DVec3::X, 2.0 * DVec3::Y, 2),
     ];
     let image = picture(2, &[[255, 128, 64, 255], [90, 255, 255, 0], [10, 20, 250, 128], [200, 30, 60, 255]]);
