@@ -101,7 +101,7 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
     let numbers: Vec<[f64; 2]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {
         for (&(position, normal, on), &u) in places.iter().zip(&numbers) {
-            let receiver = Receiver { position: black_box(position), normal, on };
+            let receiver = Receiver { position: black_box(position), normal, both_sides: false, on };
             black_box(sampler.sample(&lights, &receiver, u));
         }
     });

@@ -14,8 +14,8 @@ use super::notes::Notes;
 use super::statements::{Statement, Statements};
 use super::textures::TextureTable;
 use crate::shade::{
-    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, Texture, TextureId, UvTransform,
-    Wrap,
+    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, Principled, Texture, TextureId,
+    UvTransform, Wrap,
 };
 use crate::text;
 
@@ -25,6 +25,12 @@ const ALBEDO: f32 = 0.8;
 const GLASS_OPACITY: f32 = 0.5;
 /// Index of refraction of glass that does not say.
 const GLASS_IOR: f32 = 1.5;
+/// Largest index of refraction of principled materials.
+const MOST_IOR: f32 = 100.0;
+/// Roughness that is not said, as in Blender.
+const ROUGHNESS: f32 = 0.5;
+/// Statements that make a material principled: roughness, metal, sheen, coat.
+const LAYERS: [&str; 4] = ["Pr", "Pm", "Ps", "Pc"];
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 
@@ -190,7 +196,7 @@ impl Screened {
         };
         let values = match keyword {
             "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
-            "Ns" | "Ni" | "d" => first::<f32>(statement.values()),
+            "Ns" | "Ni" | "d" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => first::<f32>(statement.values()),
             "illum" => first::<u8>(statement.values()),
             "map_Kd" | "map_Ke" | "map_d" => Some(name.to_owned()).filter(|name| !name.is_empty()),
             _ => {
@@ -241,32 +247,39 @@ struct Converter<'a> {
 }
 
 impl Converter<'_> {
-    /// `illum` 4, 6, 7, 9 (or else a low opacity `d`) is a dielectric; 3 and 5 are a mirror of `Ks` unless it is black;
-    /// the rest is diffuse `Kd`.
+    /// `illum` 4, 6, 7, 9 (or else a low opacity `d`) is a dielectric. Others with `Pr` or `Pm`, or with a layer, are
+    /// principled, as Blender writes them; of the rest, 3 and 5 are a mirror of `Ks` unless it is black, and all else is
+    /// diffuse `Kd`.
     fn convert(&mut self, material: &tobj::Material) -> Material {
         let specular = material.specular.map_or(Vec3::ZERO, Vec3::from);
-        let lobe = match material.illumination_model {
-            Some(4 | 6 | 7 | 9) => glass(material),
-            Some(3 | 5) if specular.cmpgt(Vec3::ZERO).any() => {
-                Lobe::Mirror(Mirror { reflectance: self.unit(specular) })
-            }
-            None if material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY) => glass(material),
-            _ => return self.diffuse(material),
+        let is_glass = match material.illumination_model {
+            Some(4 | 6 | 7 | 9) => true,
+            Some(_) => false,
+            None => material.dissolve.is_some_and(|opacity| opacity < GLASS_OPACITY),
         };
+        let is_layered = LAYERS.iter().any(|key| number(material, key).is_some());
+        let is_mirror =
+            matches!(material.illumination_model, Some(3 | 5)) && specular.cmpgt(Vec3::ZERO).any();
         let (emission, emission_map) = self.emission(material);
         let maps = Maps { emission: emission_map, ..Maps::default() };
-        Material { lobe, emission, maps, ..Material::default() }
+        let plain = |lobe| Material { lobe, emission, maps, ..Material::default() };
+        if is_glass {
+            return plain(glass(material));
+        }
+        if is_mirror && !is_layered {
+            return plain(Lobe::Mirror(Mirror { reflectance: self.unit(specular) }));
+        }
+        let (base, base_color) = self.base_color(material);
+        let lobe = if is_layered { layered(material, base) } else { Lobe::Diffuse(Diffuse { albedo: base }) };
+        Material { maps: Maps { base_color, ..maps }, opacity: self.opacity(material), ..plain(lobe) }
     }
 
-    fn diffuse(&mut self, material: &tobj::Material) -> Material {
-        let base_color =
+    /// Colour `Kd` and its texture; either may be missing.
+    fn base_color(&mut self, material: &tobj::Material) -> (Vec3, Option<TextureId>) {
+        let map =
             material.diffuse_texture.as_deref().and_then(|map| self.texture("map_Kd", Encoding::Color, map));
-        let usual = if base_color.is_some() { 1.0 } else { ALBEDO };
-        let albedo = self.unit(material.diffuse.map_or(Vec3::splat(usual), Vec3::from));
-        let (emission, emission_map) = self.emission(material);
-        let maps = Maps { base_color, emission: emission_map, ..Maps::default() };
-        let opacity = self.opacity(material);
-        Material { lobe: Lobe::Diffuse(Diffuse { albedo }), emission, maps, opacity, ..Material::default() }
+        let usual = if map.is_some() { 1.0 } else { ALBEDO };
+        (self.unit(material.diffuse.map_or(Vec3::splat(usual), Vec3::from)), map)
     }
 
     /// Emission and its texture; either may be missing.
@@ -337,9 +350,42 @@ impl Converter<'_> {
     }
 }
 
+/// Principled material of a base colour, as Blender writes it.
+fn layered(material: &tobj::Material, base: Vec3) -> Lobe {
+    let share = |key| number(material, key).unwrap_or(0.0).clamp(0.0, 1.0);
+    Lobe::Principled(Principled {
+        base,
+        metallic: share("Pm"),
+        roughness: number(material, "Pr").map_or(ROUGHNESS, |roughness| roughness.clamp(0.0, 1.0)),
+        ior: index(material).min(MOST_IOR),
+        sheen_color: Vec3::splat(share("Ps")),
+        sheen_roughness: ROUGHNESS,
+        clearcoat: share("Pc"),
+        clearcoat_roughness: share("Pcr"),
+        ..Principled::PLAIN
+    })
+}
+
+/// Glass, rough if it says `Pr`.
 fn glass(material: &tobj::Material) -> Lobe {
-    let ior = material.optical_density.filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(GLASS_IOR);
-    Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE })
+    let ior = index(material);
+    match number(material, "Pr").map(|roughness| roughness.clamp(0.0, 1.0)) {
+        None | Some(0.0) => Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE }),
+        Some(roughness) => {
+            let ior = ior.min(MOST_IOR);
+            let glass = Principled { roughness, ior, transmission: 1.0, is_thin: false, ..Principled::PLAIN };
+            Lobe::Principled(glass)
+        }
+    }
+}
+
+fn index(material: &tobj::Material) -> f32 {
+    material.optical_density.filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(GLASS_IOR)
+}
+
+/// Number of a statement that `tobj` leaves as text.
+fn number(material: &tobj::Material, key: &str) -> Option<f32> {
+    material.unknown_param.get(key)?.parse().ok().filter(|number: &f32| !number.is_nan())
 }
 
 /// A statement that names a picture.
@@ -438,6 +484,20 @@ mod tests {
     }
 
     #[test]
+    fn roughness_metal_coat_and_sheen_make_a_principled_material() {
+        let base = Vec3::new(0.1, 0.2, 0.3);
+        let plain = Principled { base, roughness: 0.5, ..Principled::PLAIN };
+        let coated = Principled { clearcoat: 1.0, clearcoat_roughness: 0.03, ..plain };
+        let cloth = Principled { sheen_color: Vec3::splat(0.4), sheen_roughness: 0.5, ..plain };
+        let frosted =
+            Principled { roughness: 0.3, ior: 1.4, transmission: 1.0, is_thin: false, ..Principled::PLAIN };
+        let text = "newmtl a\nKd .1 .2 .3\nPr 0.25\nPm 2\nnewmtl b\nKd .1 .2 .3\nPc 1\nPcr 0.03\n\
+                    newmtl c\nKd .1 .2 .3\nPs 0.4\nillum 3\nKs 1 1 1\nnewmtl d\nillum 7\nPr 0.3\nNi 1.4\n";
+        let metal = Principled { metallic: 1.0, roughness: 0.25, ..plain };
+        assert_eq!(lobes(text), [metal, coated, cloth, frosted].map(Lobe::Principled));
+    }
+
+    #[test]
     fn a_mirror_that_reflects_nothing_is_diffuse() {
         let red = Lobe::Diffuse(Diffuse { albedo: Vec3::X });
         assert_eq!(lobes("newmtl a\nillum 3\nKd 1 0 0\nnewmtl b\nKd 1 0 0\nKs 0 0 0\nillum 5"), [red, red]);
@@ -446,7 +506,7 @@ mod tests {
     #[test]
     fn ignored_maps_and_odd_colours_are_said_once_each() {
         let (materials, warnings) = convert_text(
-            "newmtl a\nmap_Ks a.png\nKd 2 0 0\nKe spectral x.rfl\nPr 0.5\nnewmtl b\nmap_Ks b.png\n",
+            "newmtl a\nmap_Ks a.png\nKd 2 0 0\nKe spectral x.rfl\naniso 0.5\nnewmtl b\nmap_Ks b.png\n",
         );
         assert_eq!(materials[0].lobe, Lobe::Diffuse(Diffuse { albedo: Vec3::X }));
         assert_eq!(
@@ -454,7 +514,7 @@ mod tests {
             [
                 "a.mtl: `map_Ks` is ignored, in material: a, b",
                 "a.mtl: statements that cannot be read are left out, in line: 4: `Ke spectral x.rfl`",
-                "a.mtl: `Pr` is ignored, in material: a",
+                "a.mtl: `aniso` is ignored, in material: a",
                 "a.mtl: colours outside 0..1 are clamped: a",
             ]
         );

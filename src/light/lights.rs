@@ -238,7 +238,7 @@ impl Lights {
         if u < in_world {
             let tree = self.tree(receiver.on.side());
             let u = rescale(u, 0.0, in_world);
-            let (index, pmf, u) = tree.sample(receiver.position, Some(receiver.normal), u)?;
+            let (index, pmf, u) = tree.sample(receiver.position, receiver.lit_side(), u)?;
             let pmf = in_world * pmf;
             let light = match self.emitters.get(index as usize) {
                 Some(emitter) => ChosenLight::Surface(emitter, pmf),
@@ -278,7 +278,7 @@ impl Lights {
     /// Probability with which [`Self::choose`] chooses the emitter with this index.
     pub(super) fn emitter_pmf(&self, index: u32, receiver: &Receiver) -> f64 {
         let tree = self.tree(receiver.on.side());
-        self.shares()[0] * tree.probability(index, receiver.position, Some(receiver.normal))
+        self.shares()[0] * tree.probability(index, receiver.position, receiver.lit_side())
     }
 
     /// True if a point at infinity is in the tile of its side's sky with this index.

@@ -83,7 +83,11 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
         camera,
         entities: shaped.iter().map(|entity| world.name(*entity)).collect(),
         geometry,
-        materials: world.materials,
+        materials: world
+            .materials
+            .iter()
+            .map(|material| material.with_multiscatter(world.settings.multiscatter))
+            .collect(),
         textures: world.textures,
         punctual,
         environment: world.environment,

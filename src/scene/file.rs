@@ -266,6 +266,8 @@ pub struct RenderTable {
     pub max_winding: Option<Spanned<u32>>,
     /// Heuristic that shares light found both ways.
     pub mis: Option<Heuristic>,
+    /// Compensation of light that microfacets scatter more than once.
+    pub multiscatter: Option<bool>,
     /// Radians of direction per step.
     pub tolerance: Option<Number>,
     /// Scene units.
@@ -306,10 +308,36 @@ pub struct MaterialTable {
     pub name: Text,
     /// Lobe; diffuse if absent.
     pub kind: Option<LobeName>,
-    /// Reflectance, or the tint of a dielectric.
+    /// Reflectance, the tint of a dielectric, or base colour.
     pub albedo: Option<Spanned<Triple>>,
-    /// Index of refraction of a dielectric.
+    /// Index of refraction.
     pub ior: Option<Number>,
+    /// Share of metal.
+    pub metallic: Option<Number>,
+    /// Roughness of the base.
+    pub roughness: Option<Number>,
+    /// Factor on the reflectance of a dielectric.
+    pub specular: Option<Number>,
+    /// Colour of that reflectance at normal incidence.
+    pub specular_color: Option<Spanned<Triple>>,
+    /// Share of the dielectric that light goes through.
+    pub transmission: Option<Number>,
+    /// True for a wall without thickness.
+    pub thin: Option<Spanned<bool>>,
+    /// Share that is coated.
+    pub clearcoat: Option<Number>,
+    /// Roughness of the coat.
+    pub clearcoat_roughness: Option<Number>,
+    /// Colour of the sheen.
+    pub sheen_color: Option<Spanned<Triple>>,
+    /// Roughness of the sheen.
+    pub sheen_roughness: Option<Number>,
+    /// Share that a thin film covers.
+    pub iridescence: Option<Number>,
+    /// Index of refraction of the film.
+    pub iridescence_ior: Option<Number>,
+    /// Thickness of the film, nanometres.
+    pub iridescence_thickness: Option<Number>,
     /// Radiance.
     pub emission: Option<Spanned<Triple>>,
     /// Sides that emit; both if absent.
@@ -326,6 +354,8 @@ pub enum LobeName {
     Mirror,
     /// Clear glass.
     Dielectric,
+    /// Metallic–roughness model.
+    Principled,
 }
 
 /// `material.emits`.

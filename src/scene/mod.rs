@@ -20,6 +20,7 @@ mod hole;
 mod light;
 mod listed;
 mod load;
+mod material;
 mod overrides;
 mod populate;
 mod settings;

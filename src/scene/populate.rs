@@ -12,24 +12,21 @@ use super::check;
 use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, SphereShape};
 use super::error::{Fault, suggestion};
 use super::file::{
-    CameraTable, DiskTable, EmittingSides, EntityTable, EnvironmentTable, FilmTable, LobeName, MaterialTable,
-    RenderTable, Rotation, SceneFile, SkyName, SpacetimeTable, SphereTable, Text, TransformTable,
+    CameraTable, DiskTable, EntityTable, EnvironmentTable, FilmTable, RenderTable, Rotation, SceneFile,
+    SkyName, SpacetimeTable, SphereTable, Text, TransformTable,
 };
 use super::foreign;
 use super::light::light;
 use super::listed;
+use super::material::material;
 use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
 use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
 use crate::math::rotation;
-use crate::shade::{Dielectric, Diffuse, Environment, LatLong, Lobe, Maps, Material, Mirror};
+use crate::shade::{Environment, LatLong, Material};
 use crate::spacetime::{Entry, Listed, Parameter, Placement, Range, Side, SpacetimeKind};
 
-/// Albedo of a diffuse material that does not say.
-const DEFAULT_ALBEDO: f32 = 0.8;
-/// Index of refraction of a dielectric that does not say.
-const DEFAULT_IOR: f64 = 1.5;
 /// Factor on the lights of a glTF file that does not say: candela to W/sr at 683 lm/W, with which Blender multiplies
 /// the power of lights, but not the emission of materials.
 const DEFAULT_LIGHT_SCALE: f64 = 1.0 / 683.0;
@@ -247,6 +244,7 @@ fn settings(film: &FilmTable, render: &RenderTable) -> Result<Settings, Fault> {
         light_sampling: render.light_sampling.unwrap_or(default.light_sampling),
         max_winding: winding(render.max_winding.as_ref(), default.max_winding)?,
         heuristic: render.mis.unwrap_or(default.heuristic),
+        multiscatter: render.multiscatter.unwrap_or(default.multiscatter),
         tolerance: match &render.tolerance {
             Some(tolerance) => check::between(tolerance, 0.0, 1.0, "tolerance")?,
             None => default.tolerance,
@@ -341,32 +339,6 @@ fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault>
     })?;
     let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
     Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near, aspect: None }))
-}
-
-fn material(table: &MaterialTable) -> Result<Material, Fault> {
-    let kind = table.kind.unwrap_or(LobeName::Diffuse);
-    if let (Some(ior), LobeName::Diffuse | LobeName::Mirror) = (&table.ior, kind) {
-        return Err(Fault::at(
-            ior.span(),
-            "only a dielectric has an `ior`",
-            "remove it, or set `kind = \"dielectric\"`",
-        ));
-    }
-    let default = if kind == LobeName::Diffuse { DEFAULT_ALBEDO } else { 1.0 };
-    let albedo =
-        table.albedo.as_ref().map_or(Ok(Vec3::splat(default)), |rgb| check::reflectance(rgb, "albedo"))?;
-    let ior = table.ior.as_ref().map_or(Ok(DEFAULT_IOR), |ior| check::positive(ior, "ior"))?;
-    Ok(Material {
-        lobe: match kind {
-            LobeName::Diffuse => Lobe::Diffuse(Diffuse { albedo }),
-            LobeName::Mirror => Lobe::Mirror(Mirror { reflectance: albedo }),
-            LobeName::Dielectric => Lobe::Dielectric(Dielectric { ior: ior as f32, tint: albedo }),
-        },
-        emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
-        emits_both_sides: table.emits != Some(EmittingSides::Front),
-        maps: Maps::default(),
-        opacity: None,
-    })
 }
 
 fn spawn(

@@ -175,6 +175,8 @@ pub struct Settings {
     pub max_winding: u32,
     /// Heuristic that shares light found both ways.
     pub heuristic: Heuristic,
+    /// True if light is given back that microfacets of principled materials scatter more than once.
+    pub multiscatter: bool,
     /// Largest error of a ray's direction, all its steps together, radians at its start.
     pub tolerance: f64,
     /// Largest distance between an arc and the true curve, scene units; `None`: from the pixel footprint.
@@ -209,6 +211,7 @@ impl Default for Settings {
             light_sampling: LightSampling::Geodesic,
             max_winding: 1,
             heuristic: Heuristic::Power,
+            multiscatter: true,
             tolerance: 1e-5,
             arc_tolerance: None,
             arc_tolerance_factor: 1.0,

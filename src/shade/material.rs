@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::bsdf::{Diffuse, Lobe};
+use super::bsdf::{Diffuse, Lobe, Principled};
 use super::media::InterfaceCrossing;
 use super::texture::{Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
 use crate::geometry::MeshPoint;
@@ -98,14 +98,24 @@ impl Material {
         !self.lobe.is_specular() && self.lobe.albedo() != Vec3::ZERO
     }
 
-    /// True if light from one direction leaves in one or two: a mirror, glass.
+    /// True if light from one direction leaves in one or two and no others: a mirror, glass.
     pub fn is_specular(&self) -> bool {
         self.lobe.is_specular()
     }
 
-    /// True if light goes through.
+    /// True if light enters what is beyond the surface.
     pub fn is_dielectric(&self) -> bool {
         self.lobe.ior().is_some()
+    }
+
+    /// The material with light that microfacets scatter more than once given back, or not.
+    pub fn with_multiscatter(self, multiscatter: bool) -> Self {
+        match self.lobe {
+            Lobe::Principled(lobe) => {
+                Self { lobe: Lobe::Principled(Principled { multiscatter, ..lobe }), ..self }
+            }
+            Lobe::Diffuse(_) | Lobe::Mirror(_) | Lobe::Dielectric(_) => self,
+        }
     }
 
     /// The colour that the albedo AOV shows.

@@ -10,7 +10,7 @@ mod sobol;
 mod texture;
 
 pub(crate) use bsdf::sample_cosine;
-pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, SortedHits, fresnel};
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, Principled, SortedHits, fresnel};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, relative_index};

@@ -149,7 +149,12 @@ impl Illumination {
 
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.
     pub fn density(&self, vertex: &Vertex, end: LightEnd) -> f64 {
-        let receiver = Receiver { position: vertex.position, normal: vertex.normal, on: vertex.origin_prim };
+        let receiver = Receiver {
+            position: vertex.position,
+            normal: vertex.normal,
+            both_sides: vertex.both_sides,
+            on: vertex.origin_prim,
+        };
         let near = self.near(&receiver);
         if vertex.after_specular {
             let density = |near: Neighbourhood| near.share * near.density(vertex.position, vertex.direction);

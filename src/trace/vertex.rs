@@ -13,6 +13,8 @@ pub struct Vertex {
     pub position: DVec3,
     /// Unit normal on the side that the path came from.
     pub normal: DVec3,
+    /// True if it is lit from behind as well.
+    pub both_sides: bool,
     /// The primitive it lies on.
     pub origin_prim: PrimitiveId,
     /// True if the path goes on.

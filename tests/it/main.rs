@@ -41,6 +41,7 @@ mod light {
     mod light_noise;
     mod light_sampling;
     mod lights_near_the_hole;
+    mod principled;
     mod regions;
     mod spinning_lights;
     mod textures;

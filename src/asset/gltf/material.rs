@@ -3,17 +3,15 @@
 use glam::Vec3;
 use gltf::material::AlphaMode;
 
+use super::factors::Factors;
 use super::texture::{TextureInfo, Textures};
 use crate::asset::image::Encoding;
 use crate::asset::notes::Notes;
 use crate::shade::{
-    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, NormalMap, Opacity, TextureId, VertexColors,
+    Bsdf, Channel, Dielectric, Diffuse, Lobe, Maps, Material, NormalMap, Opacity, Principled, TextureId,
+    VertexColors,
 };
 
-/// Largest roughness that counts as a perfect mirror or clear glass.
-const SMOOTH: f32 = 0.05;
-/// Index of refraction without `KHR_materials_ior`.
-const DEFAULT_IOR: f32 = 1.5;
 /// Opacity below which a masked surface is not there, where none is given.
 const DEFAULT_CUTOFF: f32 = 0.5;
 /// Largest emission, as in scene files.
@@ -21,12 +19,17 @@ const BRIGHTEST: f32 = 1e18;
 /// Extension of materials that look the same in any light.
 const UNLIT: &str = "KHR_materials_unlit";
 /// Extensions of materials that are read here.
-const READ: [&str; 5] = [
+const READ: [&str; 10] = [
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
-    "KHR_materials_transmission",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
+    "KHR_materials_transmission",
     UNLIT,
+    "KHR_materials_volume",
 ];
 
 /// The nearest material that the tracer has; what is lost goes to `notes`.
@@ -133,31 +136,29 @@ fn emission(material: &gltf::Material, notes: &mut Notes, name: &str) -> Vec3 {
     factor.min(Vec3::splat(BRIGHTEST))
 }
 
+/// The lobe of a material: the simplest of those that scatter alike.
 fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
-    let pbr = material.pbr_metallic_roughness();
-    let smooth = pbr.roughness_factor() <= SMOOTH;
-    let glass = material.transmission().is_some_and(|glass| glass.transmission_factor() >= 0.5);
-    let metal = pbr.metallic_factor() >= 0.5;
-    match (metal, glass, smooth) {
-        (true, _, true) => return Lobe::Mirror(Mirror { reflectance: base }),
-        (false, true, true) => {
-            let ior = material.ior().filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(DEFAULT_IOR);
-            return Lobe::Dielectric(Dielectric { ior, tint: base });
-        }
-        (true, ..) => notes.add("rough metal becomes diffuse, in material", name),
-        (false, true, false) => notes.add("rough glass becomes diffuse, in material", name),
-        (false, false, _) if specular_factor(material) > 0.0 => {
-            notes.add("gloss on a non-metal is left out, in material", name);
-        }
-        (false, false, _) => {}
+    let mut factors = Factors::new(material);
+    let lobe = factors.principled(base);
+    if factors.is_clamped {
+        notes.add("numbers outside of what the format allows are clamped, in material", name);
     }
-    Lobe::Diffuse(Diffuse { albedo: base })
-}
-
-/// Strength of a non-metal's reflection; 0 makes the material an exact Lambertian.
-fn specular_factor(material: &gltf::Material) -> f64 {
-    let extension = material.extension_value("KHR_materials_specular");
-    extension.and_then(|values| values.get("specularFactor")?.as_f64()).unwrap_or(1.0)
+    let Principled { ior, roughness, is_thin, .. } = lobe;
+    let is_lambertian =
+        lobe.metallic == 0.0 && Principled { base: Vec3::ZERO, ..lobe }.albedo() == Vec3::ZERO;
+    if is_lambertian && lobe.transmission == 0.0 {
+        return Lobe::Diffuse(Diffuse { albedo: base });
+    }
+    let clear = Principled { roughness, ior, is_thin, transmission: 1.0, ..Principled::PLAIN };
+    if lobe == clear && roughness == 0.0 && !is_thin {
+        return Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE });
+    }
+    if lobe.transmission > 0.0 && is_thin {
+        let kind =
+            "glass without KHR_materials_volume is a wall without thickness, light is not bent, in material";
+        notes.add(kind, name);
+    }
+    Lobe::Principled(lobe)
 }
 
 fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {

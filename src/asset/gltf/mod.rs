@@ -4,6 +4,7 @@ mod accessor;
 mod buffers;
 mod container;
 mod empty;
+mod factors;
 mod light;
 mod material;
 mod primitive;

@@ -8,7 +8,7 @@ use super::texture::TextureInfo;
 use super::*;
 use crate::asset::image::Encoding;
 use crate::light::Punctual;
-use crate::shade::{Dielectric, Lobe, Material, Mirror};
+use crate::shade::{Dielectric, Diffuse, Lobe, Material, Principled};
 
 /// Bytes of the test buffer: four positions, four u16 indices, a sparse index, a sparse value.
 fn buffer() -> Vec<u8> {
@@ -161,22 +161,30 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     shiny["materials"] = json!([
         { "name": "mirror", "pbrMetallicRoughness": { "roughnessFactor": 0, "baseColorFactor": [0.9, 0.8, 0.7, 1] } },
         { "name": "glass", "pbrMetallicRoughness": { "roughnessFactor": 0, "metallicFactor": 0 },
-          "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.45 } } },
+          "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.45 },
+                          "KHR_materials_volume": { "thicknessFactor": 1 } } },
         { "name": "lamp", "emissiveFactor": [1, 0.5, 0], "doubleSided": true,
           "pbrMetallicRoughness": { "metallicFactor": 0 },
           "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 4 },
                           "KHR_materials_specular": { "specularFactor": 0 } } },
         { "name": "brass" },
+        { "name": "lacquer", "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2, "clearcoatRoughnessFactor": 0.25 } } },
     ]);
     let model = load_json(&shiny).unwrap();
     let lobes: Vec<Lobe> = model.materials.iter().map(|material| material.lobe).collect();
-    assert_eq!(lobes[0], Lobe::Mirror(Mirror { reflectance: Vec3::new(0.9, 0.8, 0.7) }));
+    let metal = Principled { metallic: 1.0, ..Principled::PLAIN };
+    let base = Vec3::new(0.9, 0.8, 0.7);
+    assert_eq!(lobes[0], Lobe::Principled(Principled { roughness: 0.0, base, ..metal }));
     assert_eq!(lobes[1], Lobe::Dielectric(Dielectric { ior: 1.45, tint: Vec3::ONE }));
     assert_eq!(model.materials[2].emission, Vec3::new(4.0, 2.0, 0.0));
     assert!(model.materials[2].emits_both_sides && !model.materials[0].emits_both_sides);
     let warnings: Vec<&str> =
         model.warnings.iter().map(|line| line.split_once("gltf: ").unwrap().1).collect();
-    assert_eq!(warnings, ["rough metal becomes diffuse, in material: brass"]);
+    assert_eq!(lobes[2], Lobe::Diffuse(Diffuse { albedo: Vec3::ONE }));
+    assert_eq!(lobes[3], Lobe::Principled(metal));
+    let coat = Principled { clearcoat: 1.0, clearcoat_roughness: 0.25, ..metal };
+    assert_eq!(lobes[4], Lobe::Principled(coat));
+    assert_eq!(warnings, ["numbers outside of what the format allows are clamped, in material: lacquer"]);
 }
 
 /// The document with this light at its second node, `eye`.

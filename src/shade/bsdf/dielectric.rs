@@ -22,7 +22,6 @@ columns! {
 
 impl Bsdf for Dielectric {
     const NAME: &'static str = "dielectric";
-    const IS_SPECULAR: bool = true;
 
     #[inline(always)]
     fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
@@ -38,6 +37,10 @@ impl Bsdf for Dielectric {
         self.tint
     }
 
+    fn is_specular(&self) -> bool {
+        true
+    }
+
     fn ior(&self) -> Option<f32> {
         Some(self.ior)
     }
@@ -47,7 +50,7 @@ impl Bsdf for Dielectric {
 ///
 /// Radiance is not scaled by η²: the factors of entering and leaving cancel along any path that ends outside, and
 /// emitters inside glass are to look as bright as they are set.
-fn pass(incidence: &Incidence, choice: f64) -> (DVec3, bool) {
+pub(super) fn pass(incidence: &Incidence, choice: f64) -> (DVec3, bool) {
     let &Incidence { direction, normal, shading_normal, eta } = incidence;
     for normal_used in [shading_normal, normal] {
         let cos_i = -direction.dot(normal_used);

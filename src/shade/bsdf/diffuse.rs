@@ -20,7 +20,6 @@ columns! {
 
 impl Bsdf for Diffuse {
     const NAME: &'static str = "diffuse";
-    const IS_SPECULAR: bool = false;
 
     #[inline(always)]
     fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce {
@@ -45,6 +44,10 @@ impl Bsdf for Diffuse {
 
     fn albedo(&self) -> Vec3 {
         self.albedo
+    }
+
+    fn is_specular(&self) -> bool {
+        false
     }
 }
 

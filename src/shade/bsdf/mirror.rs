@@ -17,7 +17,6 @@ columns! {
 
 impl Bsdf for Mirror {
     const NAME: &'static str = "mirror";
-    const IS_SPECULAR: bool = true;
 
     #[inline(always)]
     fn sample(&self, incidence: &Incidence, _: [f32; 4]) -> Bounce {
@@ -32,6 +31,10 @@ impl Bsdf for Mirror {
 
     fn albedo(&self) -> Vec3 {
         self.reflectance
+    }
+
+    fn is_specular(&self) -> bool {
+        true
     }
 }
 

@@ -1,11 +1,21 @@
 //! Lobes: one file each and one line in [`lobes!`]. Hits are scattered one by one, or sorted by lobe and then side by
 //! side, to the same bits.
 
+mod albedo_table;
+mod coat;
 mod dielectric;
 mod diffuse;
+mod ggx;
+mod interface;
+mod local_frame;
 mod mirror;
 mod model;
+mod principled;
+mod schlick;
+mod sheen;
 mod sorted;
+mod specular;
+mod thin_film;
 
 use glam::{DVec3, Vec3};
 
@@ -13,6 +23,7 @@ pub use dielectric::{Dielectric, fresnel};
 pub use diffuse::{Diffuse, sample_cosine};
 pub use mirror::Mirror;
 pub use model::Bsdf;
+pub use principled::Principled;
 use sorted::HitsOn;
 pub use sorted::LobeQuery;
 
@@ -38,9 +49,14 @@ macro_rules! lobes {
                 match self { $(Self::$name(_) => $name::NAME,)* }
             }
 
-            /// True if light from one direction leaves in one or two: a mirror, glass.
+            /// True if light from one direction leaves in one or two and no others: a mirror, glass.
             pub fn is_specular(&self) -> bool {
-                match self { $(Self::$name(_) => $name::IS_SPECULAR,)* }
+                match self { $(Self::$name(lobe) => lobe.is_specular(),)* }
+            }
+
+            /// True if light leaves on the other side as well.
+            pub fn transmits(&self) -> bool {
+                match self { $(Self::$name(lobe) => lobe.transmits(),)* }
             }
 
             /// Samples a continuation: [`Bsdf::sample`].
@@ -65,7 +81,7 @@ macro_rules! lobes {
                 match self { $(Self::$name(lobe) => lobe.albedo(),)* }
             }
 
-            /// Index of refraction relative to vacuum, if light goes through.
+            /// Index of refraction relative to vacuum, if light enters what is beyond.
             pub fn ior(&self) -> Option<f32> {
                 match self { $(Self::$name(lobe) => lobe.ior(),)* }
             }
@@ -104,4 +120,5 @@ lobes! {
     diffuse: Diffuse,
     mirror: Mirror,
     dielectric: Dielectric,
+    principled: Principled,
 }

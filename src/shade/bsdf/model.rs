@@ -9,14 +9,12 @@ use crate::shade::incidence::{Bounce, Incidence, Response};
 pub trait Bsdf: Row + Send + Sync {
     /// Name in scene files and reports.
     const NAME: &'static str;
-    /// True if light from one direction leaves in one or two: next-event estimation cannot choose them.
-    const IS_SPECULAR: bool;
 
     /// Samples a continuation with four numbers in [0, 1).
     fn sample(&self, incidence: &Incidence, u: [f32; 4]) -> Bounce;
 
     /// BSDF × cosine towards the unit direction `out`, and the density with which [`Self::sample`] chooses it; zero
-    /// where no light goes, as everywhere but in a single direction of a mirror.
+    /// where no light goes, as everywhere but in a single direction of a mirror, and without those parts of a lobe.
     fn evaluate(&self, _incidence: &Incidence, _out: DVec3) -> Response {
         Response::default()
     }
@@ -27,7 +25,15 @@ pub trait Bsdf: Row + Send + Sync {
     /// Colour in the albedo plane: scattered fraction of the light.
     fn albedo(&self) -> Vec3;
 
-    /// Index of refraction relative to vacuum, if light goes through.
+    /// True if light from one direction leaves in one or two and no others: next-event estimation cannot choose them.
+    fn is_specular(&self) -> bool;
+
+    /// True if light leaves on the other side as well.
+    fn transmits(&self) -> bool {
+        self.ior().is_some()
+    }
+
+    /// Index of refraction relative to vacuum, if light enters what is beyond.
     fn ior(&self) -> Option<f32> {
         None
     }

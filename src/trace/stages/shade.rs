@@ -126,7 +126,8 @@ fn arrive(
     }
     let light = job.illumination.as_ref().and_then(|illumination| {
         let normal = meeting.incidence(landing.direction).normal;
-        let receiver = Receiver { position: landing.position, normal, on: meeting.primitive };
+        let both_sides = meeting.material(job.scene).lobe.transmits();
+        let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
         propose(job, illumination, path, &meeting, &receiver, numbers.light)
     });
     Some(LitMeeting { meeting, light })
@@ -159,6 +160,7 @@ fn leave(
     *vertex = Vertex {
         position: landing.position,
         normal: meeting.incidence(landing.direction).normal,
+        both_sides: meeting.material(job.scene).lobe.transmits(),
         origin_prim: meeting.primitive,
         continues,
         direction: bounce.direction,

@@ -16,7 +16,7 @@ use warpfront::scene::Baked;
 
 use warpfront::shade::{
     Dielectric, Diffuse, Environment, Incidence, InterfaceCrossing, LatLong, Lobe, Material, Media, Mirror,
-    Sampler, fresnel, relative_index,
+    Principled, Sampler, fresnel, relative_index,
 };
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
@@ -34,19 +34,49 @@ fn bounce(lobe: &Lobe, incidence: &Incidence, random: &mut Random) -> Option<DVe
     (bounce.weight != Vec3::ZERO).then_some(bounce.direction)
 }
 
+/// Direction of a bounce that is one of many.
+fn spread(lobe: &Lobe, incidence: &Incidence, random: &mut Random) -> Option<DVec3> {
+    let bounce = lobe.sample(incidence, numbers(random).map(|u: f64| u as f32));
+    (bounce.weight != Vec3::ZERO && bounce.density > 0.0).then_some(bounce.direction)
+}
+
 /// One material for each kind of lobe.
 fn lobes() -> Vec<Material> {
     let all = [
         Lobe::Diffuse(Diffuse { albedo: Vec3::new(0.9, 0.5, 0.1) }),
         Lobe::Mirror(Mirror { reflectance: Vec3::splat(0.9) }),
         Lobe::Dielectric(Dielectric { ior: 1.5, tint: Vec3::ONE }),
+        Lobe::Principled(Principled { metallic: 1.0, roughness: 0.4, anisotropy: 0.5, ..Principled::PLAIN }),
+        Lobe::Principled(Principled { roughness: 0.5, iridescence: 0.5, ..Principled::PLAIN }),
+        Lobe::Principled(Principled {
+            roughness: 0.6,
+            transmission: 1.0,
+            is_thin: false,
+            ..Principled::PLAIN
+        }),
+        Lobe::Principled(Principled {
+            roughness: 0.5,
+            transmission: 0.6,
+            metallic: 0.2,
+            ..Principled::PLAIN
+        }),
+        Lobe::Principled(Principled {
+            clearcoat: 0.8,
+            clearcoat_roughness: 0.4,
+            sheen_color: Vec3::new(1.0, 0.5, 0.2),
+            sheen_roughness: 0.5,
+            ..Principled::PLAIN
+        }),
+        // A smooth coat over a rough base: the density is that of the base.
+        Lobe::Principled(Principled { clearcoat: 1.0, ..Principled::PLAIN }),
     ];
     // A new kind of lobe does not compile until it is in the list.
     for lobe in all {
         match lobe {
             Lobe::Diffuse(Diffuse { .. })
             | Lobe::Mirror(Mirror { .. })
-            | Lobe::Dielectric(Dielectric { .. }) => {}
+            | Lobe::Dielectric(Dielectric { .. })
+            | Lobe::Principled(Principled { .. }) => {}
         }
     }
     all.map(|lobe| Material { lobe, ..Material::default() }).to_vec()
@@ -67,10 +97,10 @@ fn lobes_scatter_with_the_density_that_they_evaluate_to() {
     for (index, Material { lobe, .. }) in materials.iter().enumerate() {
         for number in 0..6 {
             let incidence = incidence(&mut random, index);
-            if lobe.evaluate(&incidence, incidence.shading_normal).density == 0.0 {
+            if lobe.is_specular() {
                 continue;
             }
-            let samples: Vec<_> = (0..COUNT).map(|_| bounce(lobe, &incidence, &mut random)).collect();
+            let samples: Vec<_> = (0..COUNT).map(|_| spread(lobe, &incidence, &mut random)).collect();
             let density = |out| lobe.evaluate(&incidence, out).density;
             let directions = Directions::even(incidence.shading_normal);
             verdict.add(format!("lobe {index}, {number}"), directions.probability(samples, density));
@@ -428,7 +458,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let floor = geometry.shapes(|_| true).into_iter().rev();
         let on = floor.map(|(primitive, ..)| primitive).next().unwrap();
         let position = DVec3::new(0.4, 0.0, 0.3);
-        let receiver = Receiver { position, normal: DVec3::Y, on };
+        let receiver = Receiver { position, normal: DVec3::Y, both_sides: false, on };
         let follow = |directions: Vec<DVec3>| {
             let ray = |direction| Ray { position, direction, origin_prim: on };
             shoot(&scene, &directions.into_iter().map(ray).collect::<Vec<_>>())

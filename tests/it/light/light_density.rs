@@ -44,7 +44,7 @@ impl Lit {
                 let normal = self.normal(&landing);
                 let normal = normal * -landing.direction.dot(normal).signum();
                 let on = landing.primitive;
-                let receiver = Receiver { position: landing.position, normal, on };
+                let receiver = Receiver { position: landing.position, normal, both_sides: false, on };
                 found.push((receiver, landing.primitive));
             }
             from.direction = random.direction();
