@@ -1,21 +1,41 @@
 //! Tangents of meshes for normal maps.
 
+use std::collections::HashMap;
+
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::geometry::Mesh;
+
+/// Most triangles around a place: the library's recursion is as deep, and its time grows with the square.
+const MOST_AROUND: usize = 512;
 
 /// Makes the tangents that a mesh is given without, by a set of its texture coordinates; none if it has not that set.
 ///
 /// By MikkTSpace, as glTF asks for and programs bake their normal maps: V upwards, flat normals where there are none.
+/// Where very many triangles meet, each triangle has the tangent of its own.
 pub(super) fn make_tangents(mesh: &mut Mesh, uv_set: usize) {
     let Some(uvs) = mesh.attributes.uvs.get(uv_set).filter(|uvs| !uvs.is_empty()) else { return };
-    let tangents = vec![[[1.0, 0.0, 0.0, 1.0]; 3]; mesh.triangles.len()];
-    let mut tangent_mesh = TangentMesh { mesh, uvs, tangents };
-    // There is nothing that can go wrong.
-    if let Ok(()) = generate_tangents(&mut tangent_mesh) {
-        mesh.attributes.tangents = tangent_mesh.tangents;
+    let mut tangent_mesh = TangentMesh { mesh, uvs, tangents: Vec::new() };
+    let own = |face: usize| [tangent_mesh.of_triangle(face); 3];
+    let tangents = (0..mesh.triangles.len()).map(own).collect();
+    tangent_mesh.tangents = tangents;
+    if most_around(mesh) <= MOST_AROUND {
+        // There is nothing that can go wrong; what it leaves out stays as it is.
+        let _ = generate_tangents(&mut tangent_mesh);
     }
+    mesh.attributes.tangents = tangent_mesh.tangents;
+}
+
+/// Largest number of triangles that meet in one place.
+fn most_around(mesh: &Mesh) -> usize {
+    let mut around: HashMap<[u32; 3], usize> = HashMap::new();
+    for &vertex in mesh.triangles.as_flattened() {
+        // Adding 0 makes −0 a 0.
+        let place = mesh.positions[vertex as usize].map(|coordinate| (coordinate + 0.0).to_bits());
+        *around.entry(place).or_default() += 1;
+    }
+    around.into_values().max().unwrap_or(0)
 }
 
 /// A mesh as the library asks for it.
@@ -42,6 +62,16 @@ impl Ops for Libm {
 impl TangentMesh<'_> {
     fn vertex(&self, face: usize, corner: usize) -> usize {
         self.mesh.triangles[face][corner] as usize
+    }
+
+    /// Tangent and sign of a triangle by itself.
+    fn of_triangle(&self, face: usize) -> [f32; 4] {
+        let [a, b, c] = [0, 1, 2].map(|corner| Vec3::from(self.position(face, corner)).as_dvec3());
+        let [of_a, of_b, of_c] = [0, 1, 2].map(|corner| Vec2::from(self.tex_coord(face, corner)).as_dvec2());
+        let ((e1, e2), (uv1, uv2)) = ((b - a, c - a), (of_b - of_a, of_c - of_a));
+        let area = uv1.perp_dot(uv2);
+        let tangent = ((e1 * uv2.y - e2 * uv1.y) * area.signum()).normalize_or(e1.normalize_or_zero());
+        tangent.extend(area.signum()).as_vec4().to_array()
     }
 }
 
@@ -101,6 +131,28 @@ mod tests {
             mesh.attributes.tangents.clear();
             make_tangents(&mut mesh, 1);
             assert!(mesh.attributes.tangents.is_empty());
+        }
+    }
+
+    #[test]
+    fn very_many_triangles_around_a_place_have_tangents_as_well() {
+        const COUNT: usize = 100_000;
+        let rim = (0..COUNT).map(|i| std::f32::consts::TAU * i as f32 / COUNT as f32);
+        let rim = rim.map(|angle| [libm::cosf(angle), libm::sinf(angle)]);
+        let flat: Vec<[f32; 2]> = std::iter::once([0.0; 2]).chain(rim).collect();
+        let mut mesh = Mesh {
+            positions: flat.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
+            triangles: (1..COUNT as u32).map(|i| [0, i, i + 1]).collect(),
+            attributes: Attributes {
+                uvs: vec![flat.iter().map(|&[x, y]| [x, -y]).collect()],
+                ..Attributes::default()
+            },
+            ..Mesh::default()
+        };
+        make_tangents(&mut mesh, 0);
+        assert_eq!(mesh.attributes.tangents.len(), COUNT - 1);
+        for tangent in mesh.attributes.tangents.as_flattened() {
+            assert!(tangent[0] > 0.99 && tangent[3] == 1.0, "{tangent:?}");
         }
     }
 }

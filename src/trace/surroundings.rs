@@ -41,7 +41,7 @@ fn media_after(scene: &Baked, side: Side, start: DVec3, end: DVec3) -> Option<Me
         let Some(hit) = scene.geometry.intersect(&line, origin_prim) else { return Some(media) };
         position = line.point(hit.s);
         let landing = Landing::conformal(position, direction, hit.primitive);
-        let meeting = meet(scene, &landing, media, false);
+        let meeting = meet(scene, &landing, media);
         (origin_prim, media) = (meeting.primitive, meeting.beyond);
     }
     None

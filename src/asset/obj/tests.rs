@@ -2,10 +2,11 @@ use super::*;
 use crate::shade::{Diffuse, Lobe};
 use glam::Vec3;
 
-/// Loads a file of these bytes, beside the library `a.mtl`.
+/// Loads a file of these bytes, beside the library `a.mtl` and a picture `p.png`.
 fn load_bytes(obj: &[u8], mtl: &str) -> Result<Model, AssetError> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.mtl"), mtl).unwrap();
+    image::RgbImage::new(1, 1).save(folder.path().join("p.png")).unwrap();
     let path = folder.path().join("a.obj");
     std::fs::write(&path, obj).unwrap();
     let prefix = format!("{}/", folder.path().display());
@@ -267,4 +268,31 @@ fn malformed_lines_are_named() {
     }
     let message = load_bytes(b"\xff\xfev\0 \0", "").unwrap_err().to_string();
     assert!(message.contains("its text is UTF-16, not UTF-8\n   = help: save it as UTF-8"), "{message}");
+}
+
+#[test]
+fn texture_coordinates_are_read_where_a_material_looks_at_them_and_all_are_there() {
+    let coordinates = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 nan\nvn 0 0 1\n";
+    let load = |faces: &str, mtl: &str| {
+        load_text(&format!("mtllib a.mtl\n{SQUARE}{coordinates}usemtl m\n{faces}\n"), mtl).unwrap()
+    };
+    let textured = "newmtl m\nmap_Kd p.png\n";
+    // From the upper left corner, as in glTF; what is no number is 0.
+    let expected = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+    for faces in ["f 1/1 2/2 3/3 4/4", "f 1/1/1 2/2/1 3/3/1 4/4/1", "f 1/-4 2/-3 3/-2\nf 1/1 3/3 4/4"] {
+        let Mesh { positions, attributes, .. } = &load(faces, textured).meshes[0];
+        assert_eq!((attributes.uvs.len(), &attributes.uvs[0]), (1, &expected), "{faces}");
+        assert_eq!(positions.len(), 4);
+    }
+    // A vertex for each pair of place and coordinates.
+    let split = load("f 1/1 2/2 3/3\nf 1/2 3/3 4/4", textured);
+    assert_eq!((split.meshes[0].positions.len(), split.meshes[0].attributes.uvs[0].len()), (5, 5));
+    assert!(load("f 1/1 2/2 3/3 4/4", "newmtl m\nKd 1 1 1\n").meshes[0].attributes.is_empty());
+    let lost = load("f 1/1 2/2 3/9 4/4", textured);
+    assert!(lost.meshes[0].attributes.is_empty());
+    assert!(
+        lost.warnings[0].contains("without texture coordinates, since some are named"),
+        "{:?}",
+        lost.warnings
+    );
 }

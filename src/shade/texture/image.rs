@@ -103,8 +103,8 @@ impl MipLevel {
             (0..width).map(move |x| {
                 let columns = covered(x, self.width, width);
                 let mut sum = Vec4::ZERO;
-                for (y, of_row) in rows {
-                    for (x, of_column) in columns {
+                for (y, of_row) in rows.into_iter().filter(|(_, share)| *share > 0.0) {
+                    for (x, of_column) in columns.into_iter().filter(|(_, share)| *share > 0.0) {
                         sum += of_row * of_column * self.texel(x, y);
                     }
                 }

@@ -8,6 +8,7 @@ use super::super::halt::Halt;
 use super::super::illumination::{Illumination, has_specular};
 use super::super::job::Job;
 use super::super::ray_batch::RayBatch;
+use super::super::stages::look_up::look_up;
 use super::super::stages::meet::meet;
 use super::super::stages::pass::{behind, opacity};
 use super::super::transport::{Landing, Outcome, Start, Transport};
@@ -157,8 +158,9 @@ impl Shower<'_> {
                 );
             }
         }
-        let meeting = meet(self.scene, landing, media, false);
-        let (material, incidence) = (meeting.material(self.scene), meeting.incidence(landing.direction));
+        let mut meeting = meet(self.scene, landing, media);
+        let material = look_up(self.scene, landing, false, &mut meeting);
+        let incidence = meeting.incidence(landing.direction);
         path.add(meeting.surface.surface.entity);
         if !material.is_specular() {
             return Event::Stays(Photon {

@@ -15,6 +15,7 @@ use super::super::job::Job;
 use super::super::shoot::{Shot, follow};
 use super::super::stages::draw::Numbers;
 use super::super::stages::generate::generate;
+use super::super::stages::look_up::look_up;
 use super::super::stages::meet::meet;
 use super::super::stages::scatter::scatter;
 use super::super::transport::{Landing, Outcome, Start, Transport};
@@ -72,12 +73,15 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
         let (Shot { end, .. }, carried) =
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
-        let meeting = meet(scene, &landing, path.media, false);
-        if meeting.material(scene).emits() {
+        let mut meeting = meet(scene, &landing, path.media);
+        let material = look_up(scene, &landing, false, &mut meeting);
+        if material.emits() {
             met.push((meeting.primitive, meeting.surface.normal));
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
-        let Some(bounce) = scatter(job, &mut path, &meeting, landing.direction, numbers) else { return met };
+        let Some(bounce) = scatter(job, &mut path, (&meeting, &material), landing.direction, numbers) else {
+            return met;
+        };
         let Landing { position, primitive: origin_prim, .. } = landing;
         start = Start { position, direction: bounce.direction, origin_prim, carried };
     }

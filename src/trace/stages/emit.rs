@@ -11,11 +11,19 @@ use super::deposit::{EmitterId, LightSource, deposit};
 use super::light::share;
 use super::meet::Meeting;
 use crate::light::EmitterHit;
+use crate::shade::Material;
 
 /// Adds what the surface emits towards a path that lands on it, less what light sampling finds.
 #[inline]
-pub fn emit(job: &Job, meeting: &Meeting, landing: &Landing, vertex: &Vertex, path: &mut Path) {
-    let (material, surface) = (meeting.material(job.scene), &meeting.surface);
+pub fn emit(
+    job: &Job,
+    meeting: &Meeting,
+    material: &Material,
+    landing: &Landing,
+    vertex: &Vertex,
+    path: &mut Path,
+) {
+    let surface = &meeting.surface;
     let front = landing.direction.dot(surface.normal) < 0.0;
     if material.emission != Vec3::ZERO && (front || material.emits_both_sides) {
         let &Meeting { primitive, .. } = meeting;

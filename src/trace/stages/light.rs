@@ -9,11 +9,12 @@ use super::super::transport::{Landing, Outcome, Transport};
 use super::super::vertex::Vertex;
 use super::deposit::{EmitterId, LightSource, deposit};
 use super::draw::Draw;
-use super::meet::{Meeting, meet};
+use super::look_up::look_up;
+use super::meet::meet;
 use super::pass::passes as passes_through;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightSample, Receiver, Target};
-use crate::shade::Response;
+use crate::shade::{Material, Response};
 use crate::spacetime::AtInfinity;
 
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
@@ -25,11 +26,11 @@ pub fn propose(
     job: &Job,
     illumination: &Illumination,
     path: &Path,
-    meeting: &Meeting,
+    material: &Material,
     receiver: &Receiver,
     [u, v]: [f64; 2],
 ) -> Option<LightSample> {
-    if path.depth >= job.settings.max_depth || !meeting.material(job.scene).spreads_light() {
+    if path.depth >= job.settings.max_depth || !material.spreads_light() {
         return None;
     }
     let chance = illumination.chance(path.throughput);
@@ -165,16 +166,17 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
         return through_specular(job, path, vertex, landing);
     }
     if let Some(source) = LightSource::reached(vertex) {
-        let meeting = meet(job.scene, landing, vertex.media, false);
-        deposit(path, source, || vertex.brings * meeting.material(job.scene).emission);
+        let mut meeting = meet(job.scene, landing, vertex.media);
+        let material = look_up(job.scene, landing, false, &mut meeting);
+        deposit(path, source, || vertex.brings * material.emission);
     }
     None
 }
 
 /// Takes a light ray through a mirror or glass, and adds what emits behind the first of them.
 fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
-    let meeting = meet(job.scene, landing, vertex.media, false);
-    let material = meeting.material(job.scene);
+    let mut meeting = meet(job.scene, landing, vertex.media);
+    let material = look_up(job.scene, landing, false, &mut meeting);
     let front = landing.direction.dot(meeting.surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {
         let source = LightSource { emitter: EmitterId::Surface(meeting.primitive), segments: vertex.depth };

@@ -1,43 +1,45 @@
-//! Lookup of a material where a ray lands: textures, vertex colours and normal maps.
+//! Lookup of the material where a ray lands: textures, vertex colours and normal maps.
+
+use std::borrow::Cow;
 
 use super::super::transport::Landing;
-use crate::geometry::{PrimitiveId, SurfacePoint};
+use super::meet::Meeting;
 use crate::scene::Baked;
 use crate::shade::Material;
 
-/// The material where a ray lands, if textures vary it; they may change the shading normal. What the camera `is_seen` to
-/// look at is filtered by the width of its pixels.
+/// The material that a ray meets where it lands: the scene's, or as textures vary it, which may also change the shading
+/// normal. What the camera `is_seen` to look at is filtered by the width of its pixels.
 #[inline(always)]
-pub fn look_up(
-    scene: &Baked,
-    primitive: PrimitiveId,
+pub fn look_up<'a>(
+    scene: &'a Baked,
     landing: &Landing,
     is_seen: bool,
-    surface: &mut SurfacePoint,
-) -> Option<Material> {
-    let material = &scene.materials[surface.surface.material as usize];
+    meeting: &mut Meeting,
+) -> Cow<'a, Material> {
+    let material = &scene.materials[meeting.surface.surface.material as usize];
     if material.maps.is_empty() {
-        return None;
+        return Cow::Borrowed(material);
     }
-    textured(scene, material, primitive, landing, is_seen, surface)
+    textured(scene, material, landing, is_seen, meeting)
 }
 
-/// The material at a point of a mesh, whose shading normal may change; `None` on what has no vertices.
+/// The material at a point of a mesh; what has no vertices has no textures.
 #[inline(never)]
-fn textured(
+fn textured<'a>(
     scene: &Baked,
-    material: &Material,
-    primitive: PrimitiveId,
+    material: &'a Material,
     landing: &Landing,
     is_seen: bool,
-    surface: &mut SurfacePoint,
-) -> Option<Material> {
-    let point = scene.geometry.mesh_point(primitive, landing.position)?;
+    meeting: &mut Meeting,
+) -> Cow<'a, Material> {
+    let Some(point) = scene.geometry.mesh_point(meeting.primitive, landing.position) else {
+        return Cow::Borrowed(material);
+    };
     let width = if is_seen { pixel_width(scene, landing) } else { 0.0 };
     if let Some(normal) = material.normal_at(&point, width, &scene.textures) {
-        [_, surface.shading_normal] = landing.stretch.normals([normal; 2]);
+        [_, meeting.surface.shading_normal] = landing.stretch.normals([normal; 2]);
     }
-    Some(material.at(&point, width, &scene.textures))
+    Cow::Owned(material.at(&point, width, &scene.textures))
 }
 
 /// Width of a pixel's beam where a ray of the camera lands, by the distance alone: where a lens makes a picture smaller

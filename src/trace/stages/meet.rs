@@ -3,10 +3,9 @@
 use glam::DVec3;
 
 use super::super::transport::Landing;
-use super::look_up::look_up;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
-use crate::shade::{Bounce, Incidence, InterfaceCrossing, Material, Media, relative_index};
+use crate::shade::{Bounce, Incidence, InterfaceCrossing, Media, relative_index};
 
 /// Surface that a path meets where it lands.
 pub struct Meeting {
@@ -18,21 +17,18 @@ pub struct Meeting {
     eta: f64,
     /// Dielectrics around light that goes through.
     pub beyond: Media,
-    /// The material there, if textures vary it.
-    textured: Option<Material>,
 }
 
 /// Looks up the surface that a path in `media` meets where it lands. Glass is met together with all that lies upon it
-/// there: what is solid stops light, and further glass is crossed with it. The camera `is_seen` to look at it or not.
+/// there: what is solid stops light, and further glass is crossed with it.
 #[inline(always)]
-pub fn meet(scene: &Baked, landing: &Landing, media: Media, is_seen: bool) -> Meeting {
+pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let primitive = landing.primitive;
-    let mut surface = surface_at(scene, primitive, landing);
+    let surface = surface_at(scene, primitive, landing);
     if is_glass(scene, &surface) {
-        return meet_upon(scene, landing, media, is_seen, surface);
+        return meet_upon(scene, landing, media, surface);
     }
-    let textured = look_up(scene, primitive, landing, is_seen, &mut surface);
-    Meeting { primitive, surface, eta: 1.0, beyond: media, textured }
+    Meeting { primitive, surface, eta: 1.0, beyond: media }
 }
 
 impl Meeting {
@@ -40,12 +36,6 @@ impl Meeting {
     #[inline(always)]
     pub fn incidence(&self, direction: DVec3) -> Incidence {
         Incidence::new(direction, self.surface.normal, self.surface.shading_normal, self.eta)
-    }
-
-    /// Material of the surface.
-    #[inline(always)]
-    pub fn material<'a>(&'a self, scene: &'a Baked) -> &'a Material {
-        self.textured.as_ref().unwrap_or(&scene.materials[self.surface.surface.material as usize])
     }
 
     /// Dielectrics around a path in `media` after a bounce.
@@ -69,24 +59,16 @@ fn is_glass(scene: &Baked, surface: &SurfacePoint) -> bool {
 
 /// Meets glass with what lies upon it.
 #[inline(never)]
-fn meet_upon(
-    scene: &Baked,
-    landing: &Landing,
-    media: Media,
-    is_seen: bool,
-    mut glass: SurfacePoint,
-) -> Meeting {
+fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint) -> Meeting {
     let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
     let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
-    if let Some((solid, mut surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
-        let textured = look_up(scene, solid, landing, is_seen, &mut surface);
-        return Meeting { primitive: solid, surface, eta: 1.0, beyond: media, textured };
+    if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
+        return Meeting { primitive: solid, surface, eta: 1.0, beyond: media };
     }
     let faces = std::iter::once(face(&glass)).chain(others().map(|(_, other)| face(&other)));
     let crossing = InterfaceCrossing::of(media, faces);
     let eta = relative_index(&scene.materials, &crossing);
-    let textured = look_up(scene, primitive, landing, is_seen, &mut glass);
-    Meeting { primitive, surface: glass, eta, beyond: crossing.into, textured }
+    Meeting { primitive, surface: glass, eta, beyond: crossing.into }
 }

@@ -9,7 +9,7 @@ use crate::scene::Baked;
 use crate::shade::Material;
 
 /// Most surfaces that the rays of a path look at so; the next is opaque.
-const MOST: u32 = 1 << 12;
+const MOST: u32 = 1 << 10;
 
 /// Opacity where a ray lands.
 pub fn opacity(scene: &Baked, landing: &Landing) -> f32 {
@@ -31,9 +31,9 @@ fn passes_here(job: &Job, path: &mut Path, landing: &Landing) -> bool {
     if opacity >= 1.0 || path.looks >= MOST {
         return false;
     }
-    let [number, _] = job.sampler.point::<[f64; 2]>(Draw::Pass.key(path, path.looks));
     path.looks += 1;
-    number >= f64::from(opacity)
+    let number = || job.sampler.point::<[f64; 2]>(Draw::Pass.key(path, path.looks))[0];
+    opacity <= 0.0 || number() >= f64::from(opacity)
 }
 
 /// The ray that goes on behind a surface.

@@ -8,15 +8,22 @@ use super::super::transport::Landing;
 use super::meet::Meeting;
 use crate::film::CameraRay;
 use crate::scene::Background;
+use crate::shade::Material;
 use crate::spacetime::Side;
 
 /// Records the surface that a camera ray lands on; later rays are not recorded.
 #[inline]
-pub fn record_hit(job: &Job, path: &Path, landing: &Landing, meeting: &Meeting, samples: &mut Samples) {
+pub fn record_hit(
+    path: &Path,
+    landing: &Landing,
+    meeting: &Meeting,
+    material: &Material,
+    samples: &mut Samples,
+) {
     if path.depth > 1 || !samples.needs().camera_ray {
         return;
     }
-    let (material, surface) = (meeting.material(job.scene), &meeting.surface);
+    let surface = &meeting.surface;
     let ray = &mut samples.camera_rays[path.slot as usize];
     *ray = CameraRay {
         fate: RayEnd::Hit,

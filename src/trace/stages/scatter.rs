@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::super::job::Job;
 use super::super::path::Path;
 use super::meet::Meeting;
-use crate::shade::Bounce;
+use crate::shade::{Bounce, Material};
 
 /// Ratio of a path's probability to survive roulette to its throughput: with 1 roulette adds a quarter to the variance of
 /// a white room for a tenth fewer rays, with 4 hardly anything for a twentieth.
@@ -16,11 +16,11 @@ const SURVIVAL: f32 = 4.0;
 pub fn scatter(
     job: &Job,
     path: &mut Path,
-    meeting: &Meeting,
+    (meeting, material): (&Meeting, &Material),
     direction: DVec3,
     numbers: [f32; 4],
 ) -> Option<Bounce> {
-    let bounce = meeting.material(job.scene).lobe.sample(&meeting.incidence(direction), numbers);
+    let bounce = material.lobe.sample(&meeting.incidence(direction), numbers);
     take(job, path, meeting, &bounce, numbers[3]).then_some(bounce)
 }
 

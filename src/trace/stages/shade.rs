@@ -1,5 +1,7 @@
 //! Shading of landings: surfaces are looked up, recorded, gathered from, and scattered at.
 
+use std::borrow::Cow;
+
 use glam::{DVec3, Vec3};
 
 use super::super::job::Job;
@@ -11,11 +13,12 @@ use super::deposit::{LightSource, deposit};
 use super::draw::{Draws, Numbers};
 use super::emit::emit;
 use super::light::{self, propose};
+use super::look_up::look_up;
 use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
 use crate::light::{LightSample, Receiver, Target};
-use crate::shade::{Bounce, Incidence, Lobe, LobeQuery, Response, SortedHits};
+use crate::shade::{Bounce, LobeQuery, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -28,8 +31,8 @@ pub fn shade(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
-    let arrival = arrive(job, path, vertex, landing, numbers, samples)?;
-    let (lobe, incidence) = arrival.hit(job, landing);
+    let (arrival, material) = arrive(job, path, vertex, landing, numbers, samples)?;
+    let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let response = match &arrival.light {
         Some(light) => lobe.evaluate(&incidence, light.direction),
         None => Response::default(),
@@ -68,10 +71,10 @@ impl Shading {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
                 match arrive(job, path, vertex, landing, &numbers, samples) {
-                    Some(arrival) => {
-                        let (lobe, incidence) = arrival.hit(job, landing);
+                    Some((arrival, material)) => {
+                        let incidence = arrival.meeting.incidence(landing.direction);
                         let out = arrival.light.as_ref().map_or(DVec3::ZERO, |light| light.direction);
-                        hits.push(lobe, &incidence, &LobeQuery { u: numbers.ray, out });
+                        hits.push(&material.lobe, &incidence, &LobeQuery { u: numbers.ray, out });
                         arrivals.push((place, arrival));
                     }
                     None => end(place, vertex, None),
@@ -92,45 +95,42 @@ impl Shading {
 struct LitMeeting {
     /// Surface that is met.
     meeting: Meeting,
+    /// True if its material is a mirror or glass.
+    is_specular: bool,
+    /// True if light from beyond the surface gets through it.
+    both_sides: bool,
     /// Light that may come to it.
     light: Option<LightSample>,
 }
 
-impl LitMeeting {
-    /// Lobe that is hit, and how.
-    #[inline(always)]
-    fn hit<'a>(&'a self, job: &Job<'a>, landing: &Landing) -> (&'a Lobe, Incidence) {
-        (&self.meeting.material(job.scene).lobe, self.meeting.incidence(landing.direction))
-    }
-}
-
-/// Looks up and records the surface that a path landed on, gathers what it emits, and chooses light that may come to
+/// Looks up and records the surface that a path landed on with its material, gathers what it emits, and chooses light that may come to
 /// it; `None` if the path ends here.
 #[inline(always)]
-fn arrive(
-    job: &Job,
+fn arrive<'a>(
+    job: &Job<'a>,
     path: &mut Path,
     vertex: &Vertex,
     landing: &Landing,
     numbers: &Numbers,
     samples: &mut Samples,
-) -> Option<LitMeeting> {
-    let meeting = meet(job.scene, landing, path.media, path.depth == 1);
-    record_hit(job, path, landing, &meeting, samples);
-    emit(job, &meeting, landing, vertex, path);
-    let is_specular = meeting.material(job.scene).is_specular();
+) -> Option<(LitMeeting, Cow<'a, Material>)> {
+    let mut meeting = meet(job.scene, landing, path.media);
+    let material = look_up(job.scene, landing, path.depth == 1, &mut meeting);
+    record_hit(path, landing, &meeting, &material, samples);
+    emit(job, &meeting, &material, landing, vertex, path);
+    let is_specular = material.is_specular();
     match path.gathers {
         Gathers::Lamps if !is_specular => return None,
         Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
         _ => {}
     }
+    let both_sides = material.lobe.transmits();
     let light = job.illumination.as_ref().and_then(|illumination| {
         let normal = meeting.incidence(landing.direction).normal;
-        let both_sides = meeting.material(job.scene).lobe.transmits();
         let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
-        propose(job, illumination, path, &meeting, &receiver, numbers.light)
+        propose(job, illumination, path, &material, &receiver, numbers.light)
     });
-    Some(LitMeeting { meeting, light })
+    Some((LitMeeting { meeting, is_specular, both_sides, light }, material))
 }
 
 /// Takes a path on from where it scatters, as its lobe samples and responds: the unit direction of its next ray; `None`
@@ -140,7 +140,7 @@ fn leave(
     job: &Job,
     path: &mut Path,
     vertex: &mut Vertex,
-    (landing, LitMeeting { meeting, light }): (&Landing, &LitMeeting),
+    (landing, &LitMeeting { ref meeting, is_specular, both_sides, ref light }): (&Landing, &LitMeeting),
     bounce: &Bounce,
     response: &Response,
     numbers: &Numbers,
@@ -148,7 +148,7 @@ fn leave(
     let Some(illumination) = &job.illumination else {
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     };
-    if illumination.is_guided() && meeting.material(job.scene).is_specular() {
+    if illumination.is_guided() && is_specular {
         vertex.after_specular = true;
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     }
@@ -160,7 +160,7 @@ fn leave(
     *vertex = Vertex {
         position: landing.position,
         normal: meeting.incidence(landing.direction).normal,
-        both_sides: meeting.material(job.scene).lobe.transmits(),
+        both_sides,
         origin_prim: meeting.primitive,
         continues,
         direction: bounce.direction,

@@ -35,9 +35,14 @@ fn scene(text: &str, quads: &[Quad], materials: &Value, images: &[RgbaImage]) ->
 
 /// Four pixels that see the quarters of a quad, under a white sky.
 fn quarters(quad: Quad, material: Value, images: &[RgbaImage]) -> [[f32; 3]; 4] {
+    quarters_in("[environment]\ncolor = [1, 1, 1]\n", quad, material, images)
+}
+
+/// Four pixels that see the quarters of a quad, in some light.
+fn quarters_in(light: &str, quad: Quad, material: Value, images: &[RgbaImage]) -> [[f32; 3]; 4] {
     let view =
         "[camera]\nposition = [0, 0, 1]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\nvertical_fov = 90.0\n";
-    let text = view.to_owned() + &film(2, 2) + "[environment]\ncolor = [1, 1, 1]\n";
+    let text = view.to_owned() + &film(2, 2) + light;
     let scene = scene(&text, &[quad], &json!([material]), images);
     let image = render(&scene, &Run::default()).image;
     [0, 1, 2, 3].map(|pixel| ["R", "G", "B"].map(|name| image.channel(name).expect(name)[pixel]))
@@ -81,6 +86,83 @@ fn a_pixel_is_texel_times_factor_times_vertex_colour() {
         quarters(square(), moved(turn), std::slice::from_ref(&image)),
         [plain[2], plain[0], plain[3], plain[1]],
     );
+}
+
+#[test]
+fn an_unlit_pixel_is_texel_times_factor_times_vertex_colour_in_the_dark() {
+    let image = picture(2, &[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
+    let unlit = json!({
+        "extensions": { "KHR_materials_unlit": {} },
+        "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 0 }, "baseColorFactor": [1.0, 0.5, 0.25, 1.0],
+        },
+    });
+    let coloured = Quad { colors: Some([[0.5, 0.25, 1.0, 1.0]; 4]), ..square() };
+    let expected = [[0.5, 0.0, 0.0], [0.0, 0.125, 0.0], [0.0, 0.0, 0.25], [0.5, 0.125, 0.25]];
+    assert_near(quarters_in("", coloured, unlit, &[image]), expected);
+}
+
+#[test]
+fn a_camera_ray_sees_the_mean_of_what_its_pixel_covers() {
+    let checker = (0..64 * 64).map(|i| if (i + i / 64) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
+    let image = picture(64, &checker.collect::<Vec<_>>());
+    let textured = material(json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
+    let light = "[environment]\ncolor = [1, 1, 1]\n[render]\nspp = 1\n";
+    for pixel in quarters_in(light, square(), textured, &[image]).as_flattened() {
+        assert!((pixel - 0.5).abs() < 1e-4, "{pixel}");
+    }
+}
+
+#[test]
+fn a_normal_map_bends_normals_along_the_texture_coordinates() {
+    // x 0.6, y 1/255, z about 0.8.
+    let texel = [204, 128, 230, 255];
+    let normal = texel.map(|value: u8| f64::from(value) / 127.5 - 1.0);
+    let normal = DVec3::new(normal[0], normal[1], normal[2]).normalize();
+    let bumpy = |more: Value| {
+        let mut bumpy = material(json!({ "normalTexture": { "index": 0 } }));
+        bumpy["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 1]);
+        bumpy["normalTexture"].as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        bumpy
+    };
+    let travel = DVec3::new(-1.0, -0.5, -1.0).normalize();
+    let light = format!(
+        "[[entity]]\nlight = {{ kind = \"distant\", direction = {:?}, irradiance = 3 }}\n",
+        travel.to_array()
+    );
+    let seen =
+        |quad: Quad, material: Value| quarters_in(&light, quad, material, &[picture(1, &[texel])])[0][0];
+    let lit = |normal: DVec3| (3.0 * normal.dot(-travel) / std::f64::consts::PI) as f32;
+    let mirrored = || Quad { uvs: [[1.0, 1.0], [0.0, 1.0], [1.0, 0.0], [0.0, 0.0]], ..square() };
+    let turned = || Quad { uvs: [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], ..square() };
+    let flatter = DVec3::new(0.5 * normal.x, 0.5 * normal.y, normal.z).normalize();
+    let cases = [
+        (square(), json!({}), normal),
+        (square(), json!({ "scale": 0.5 }), flatter),
+        (mirrored(), json!({}), DVec3::new(-normal.x, normal.y, normal.z)),
+        // U goes down, and V, which is mirrored, to the left: what is up in the picture is to the right.
+        (turned(), json!({}), DVec3::new(normal.y, -normal.x, normal.z)),
+    ];
+    for (quad, more, expected) in cases {
+        let found = seen(quad, bumpy(more));
+        assert!((found - lit(expected)).abs() < 1e-5, "{found} for {}", lit(expected));
+    }
+}
+
+#[test]
+fn a_white_surface_with_a_normal_map_reflects_all_light() {
+    let image =
+        picture(2, &[[230, 128, 150, 255], [128, 10, 140, 255], [20, 40, 160, 255], [128, 128, 255, 255]]);
+    let mut bumpy = material(json!({ "normalTexture": { "index": 0 } }));
+    bumpy["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 1]);
+    for light_sampling in ["off", "geodesic"] {
+        let light =
+            format!("[environment]\ncolor = [1, 1, 1]\n[render]\nlight_sampling = \"{light_sampling}\"\n");
+        assert_near(
+            quarters_in(&light, square(), bumpy.clone(), std::slice::from_ref(&image)),
+            [[1.0; 3]; 4],
+        );
+    }
 }
 
 #[test]
@@ -174,7 +256,7 @@ fn screened(text: &str) -> Baked {
     let image = picture(2, &[[255, 128, 64, 255], [90, 255, 255, 0], [10, 20, 250, 128], [200, 30, 60, 255]]);
     let map = json!({ "index": 0 });
     let materials = json!([
-        material(json!({ "pbrMetallicRoughness": { "baseColorTexture": map } })),
+        material(json!({ "pbrMetallicRoughness": { "baseColorTexture": map }, "normalTexture": map })),
         material(json!({ "emissiveFactor": [1, 1, 1], "emissiveTexture": map })),
         material(json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorTexture": map } })),
     ]);

@@ -197,16 +197,20 @@ fn document(uri: Option<&str>) -> Value {
             { "type": "point" }, { "type": "directional", "intensity": 2 },
         ] } },
         "meshes": [{ "primitives": [
-            { "attributes": { "POSITION": 0, "NORMAL": 2, "TEXCOORD_0": 3 }, "indices": 1, "mode": 5, "material": 0 },
+            { "attributes": { "POSITION": 0, "NORMAL": 2, "TEXCOORD_0": 3, "COLOR_0": 2 }, "indices": 1, "mode": 5, "material": 0 },
             { "attributes": { "POSITION": 4 }, "material": 1 },
         ] }],
         "materials": [
-            { "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0, "roughnessFactor": 0.9 },
+            { "normalTexture": { "index": 1, "scale": 0.5 }, "emissiveTexture": { "index": 0,
+                "extensions": { "KHR_texture_transform": { "offset": [0.1, 0.2], "rotation": 0.3, "scale": [2, 3] } } },
+              "alphaMode": "MASK", "alphaCutoff": 0.2,
+              "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 0 }, "metallicFactor": 0, "roughnessFactor": 0.9 },
               "emissiveFactor": [1, 1, 1], "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 5 } } },
             { "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 } },
               "pbrMetallicRoughness": { "roughnessFactor": 0, "baseColorFactor": [1, 0.5, 1, 1] } },
         ],
-        "textures": [{ "source": 0 }],
+        "textures": [{ "source": 0, "sampler": 0 }, { "source": 0 }],
+        "samplers": [{ "magFilter": 9728, "wrapS": 33648, "wrapT": 33071 }],
         "images": [{ "uri": "a.png" }],
         "accessors": [
             { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
@@ -268,7 +272,9 @@ Kd 0.5 0.5 0.5
 Ka 0 0 0
 Ke 3 2 1
 illum 2
-map_Kd a.png
+map_Kd -s 2 3 -o 0.5 -clamp on a.png
+map_Ke a.png
+map_d a.png
 newmtl glass
 Ks 1 1 1
 Ni 1.5
