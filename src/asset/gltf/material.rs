@@ -35,7 +35,12 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         notes.add("colours outside 0..1 are clamped, in material", &name);
     }
     let emission = emission(material, textures, notes, &name);
-    Material { lobe: lobe(material, base, notes, &name), emission, emits_both_sides: material.double_sided() }
+    let mut factors = Factors::new(material);
+    let (lobe, attenuation) = (lobe(&mut factors, base, notes, &name), factors.attenuation());
+    if factors.is_clamped {
+        notes.add("numbers outside of what the format allows are clamped, in material", &name);
+    }
+    Material { lobe, attenuation, emission, emits_both_sides: material.double_sided() }
 }
 
 fn name_of(material: &gltf::Material) -> String {
@@ -85,12 +90,8 @@ fn emission(material: &gltf::Material, textures: &mut Textures, notes: &mut Note
 }
 
 /// The lobe of a material: the simplest of those that scatter alike.
-fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
-    let mut factors = Factors::new(material);
+fn lobe(factors: &mut Factors, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
     let lobe = factors.principled(base);
-    if factors.is_clamped {
-        notes.add("numbers outside of what the format allows are clamped, in material", name);
-    }
     let Principled { ior, roughness, is_thin, .. } = lobe;
     let is_lambertian =
         lobe.metallic == 0.0 && Principled { base: Vec3::ZERO, ..lobe }.albedo() == Vec3::ZERO;
