@@ -10,7 +10,7 @@ use crate::shade::{Bsdf, Dielectric, Diffuse, Lobe, Material, Principled};
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 /// Extensions of materials that are read here.
-const READ: [&str; 9] = [
+const READ: [&str; 10] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -19,6 +19,7 @@ const READ: [&str; 9] = [
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_volume",
 ];
 
@@ -33,6 +34,11 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
     let base = Vec3::select(colour.is_nan_mask(), Vec3::ZERO, colour).clamp(Vec3::ZERO, Vec3::ONE);
     if base != colour {
         notes.add("colours outside 0..1 are clamped, in material", &name);
+    }
+    if material.extension_value("KHR_materials_unlit").is_some() {
+        let lobe = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
+        notes.add("unlit surfaces emit their base colour, and so light what is around, in material", &name);
+        return Material { lobe, emission: base, ..Material::default() };
     }
     let emission = emission(material, textures, notes, &name);
     let mut factors = Factors::new(material);

@@ -135,6 +135,12 @@ impl Bsdf for Principled {
         Layers::new(self, incidence).evaluate(out)
     }
 
+    #[inline(always)]
+    fn scatter(&self, incidence: &Incidence, u: [f32; 4], out: DVec3) -> (Bounce, Response) {
+        let layers = Layers::new(self, incidence);
+        (layers.sample(incidence, u.map(f64::from)), layers.evaluate(out))
+    }
+
     fn albedo(&self) -> Vec3 {
         let Schlick { f0, .. } = self.dielectric();
         let [metal, opaque, clear] = self.shares();
