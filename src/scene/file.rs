@@ -324,6 +324,10 @@ pub struct MaterialTable {
     pub transmission: Option<Number>,
     /// True for a wall without thickness.
     pub thin: Option<Spanned<bool>>,
+    /// Colour that is left of white light after `attenuation_distance` inside.
+    pub attenuation_color: Option<Spanned<Triple>>,
+    /// Scene units.
+    pub attenuation_distance: Option<Number>,
     /// Share that is coated.
     pub clearcoat: Option<Number>,
     /// Roughness of the coat.

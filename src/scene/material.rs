@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::check;
 use super::error::Fault;
 use super::file::{EmittingSides, LobeName, MaterialTable, Number, Triple};
-use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror, Principled};
+use crate::shade::{Dielectric, Diffuse, Lobe, Material, Mirror, Principled, attenuation};
 
 /// Albedo of a diffuse material that does not say.
 const DEFAULT_ALBEDO: f32 = 0.8;
@@ -51,10 +51,35 @@ pub(super) fn material(table: &MaterialTable) -> Result<Material, Fault> {
             }
             LobeName::Principled => Lobe::Principled(principled(table, albedo)?),
         },
+        attenuation: inside(table, kind)?,
         emission: table.emission.as_ref().map_or(Ok(Vec3::ZERO), |rgb| check::colour(rgb, "emission"))?,
         emits_both_sides: table.emits != Some(EmittingSides::Front),
         ..Material::default()
     })
+}
+
+/// Absorption inside of glass.
+fn inside(table: &MaterialTable, kind: LobeName) -> Result<Vec3, Fault> {
+    match (&table.attenuation_color, &table.attenuation_distance, kind) {
+        (None, None, _) => Ok(Vec3::ZERO),
+        (Some(color), distance, LobeName::Dielectric | LobeName::Principled) => {
+            let color = check::reflectance(color, "attenuation_color")?;
+            let distance = distance
+                .as_ref()
+                .map_or(Ok(1.0), |distance| check::positive(distance, "attenuation_distance"))?;
+            Ok(attenuation(color, distance as f32))
+        }
+        (Some(color), _, LobeName::Diffuse | LobeName::Mirror) => Err(Fault::at(
+            color.span(),
+            "light does not go through this material, so it has no `attenuation_color`",
+            "remove it, or set `kind = \"dielectric\"`",
+        )),
+        (None, Some(distance), _) => Err(Fault::at(
+            distance.span(),
+            "`attenuation_distance` is given without a colour",
+            "add `attenuation_color = [r, g, b]`, what is left of white light after this distance",
+        )),
+    }
 }
 
 /// Fails if there are keys of a principled material.

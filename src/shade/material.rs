@@ -12,6 +12,8 @@ use crate::geometry::MeshPoint;
 pub struct Material {
     /// Scattering lobe.
     pub lobe: Lobe,
+    /// Share of light that is absorbed inside of it per length that observers at rest measure, if that is short.
+    pub attenuation: Vec3,
     /// Emitted radiance, the same in all directions.
     pub emission: Vec3,
     /// True if the back of the surface (against its normal) emits as well.
@@ -27,6 +29,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             lobe: Lobe::Diffuse(Diffuse { albedo: Vec3::splat(0.8) }),
+            attenuation: Vec3::ZERO,
             emission: Vec3::ZERO,
             emits_both_sides: true,
             maps: Maps::default(),
@@ -122,6 +125,11 @@ impl Material {
     pub fn albedo(&self) -> Vec3 {
         self.lobe.albedo()
     }
+}
+
+/// Share of light that a medium absorbs per length, if that is short: it leaves `colour` after `distance`.
+pub fn attenuation(colour: Vec3, distance: f32) -> Vec3 {
+    colour.map(|share| if share < 1.0 { -libm::logf(share.max(f32::MIN_POSITIVE)) / distance } else { 0.0 })
 }
 
 /// Index of refraction of what light goes into through faces of `materials`, relative to that of what it comes from.

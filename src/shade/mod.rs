@@ -13,7 +13,7 @@ pub(crate) use bsdf::sample_cosine;
 pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, Principled, SortedHits, fresnel};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence, Response};
-pub use material::{Material, relative_index};
+pub use material::{Material, attenuation, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
 pub use texture::{

@@ -44,6 +44,7 @@ mod mouths;
 mod named;
 mod parameter;
 mod placement;
+mod proper_length;
 mod reissner_nordstrom;
 mod rest_frame;
 mod schwarzschild;

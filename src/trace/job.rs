@@ -1,5 +1,7 @@
 //! The job: a scene and all that a render knows of it while it takes samples.
 
+use glam::Vec3;
+
 use super::halt::Halt;
 use super::illumination::Illumination;
 use super::surroundings::media_around;
@@ -18,6 +20,8 @@ pub struct Job<'a> {
     pub media: Media,
     /// True if there are surfaces that rays may pass through.
     pub has_passages: bool,
+    /// True if there is glass that absorbs.
+    pub absorbs: bool,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
     /// Interruption and deadline, at which to give up.
@@ -34,6 +38,7 @@ impl<'a> Job<'a> {
         let camera = &scene.camera;
         let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
         let has_passages = scene.materials.iter().any(|material| material.opacity.is_some());
-        Self { scene, settings, sampler, media, has_passages, illumination: None, halt }
+        let absorbs = scene.materials.iter().any(|material| material.attenuation != Vec3::ZERO);
+        Self { scene, settings, sampler, media, has_passages, absorbs, illumination: None, halt }
     }
 }

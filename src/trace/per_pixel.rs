@@ -4,6 +4,7 @@ use super::job::Job;
 use super::path::Gathers;
 use super::ray_end::RayEnd;
 use super::samples::Samples;
+use super::stages::absorb::absorb;
 use super::stages::draw::Numbers;
 use super::stages::escape::escape;
 use super::stages::generate::generate;
@@ -54,13 +55,16 @@ fn trace_path<T: Transport>(
         if counters.steps.is_multiple_of(PATIENCE) && job.halt.is_due() {
             return None;
         }
-        let illumination = job.illumination.as_ref().filter(|_| vertex.light_ray_in_flight);
         record_step(
             &path,
-            illumination.is_some(),
+            vertex.light_ray_in_flight,
             || transport.length(&flight, &step, found.map(|f| f.point)),
             samples,
         );
+        if job.absorbs {
+            absorb(job, transport, (&flight, &step, found), &mut path, Some(&mut vertex));
+        }
+        let illumination = job.illumination.as_ref().filter(|_| vertex.light_ray_in_flight);
         if let Some(illumination) = illumination {
             let (progress, arrived) =
                 light::settle(job, illumination, transport, (&flight, &step, found), &mut path, &vertex);

@@ -11,6 +11,7 @@ use super::job::Job;
 use super::path::{Gathers, Path};
 use super::ray_end::RayEnd;
 use super::samples::Samples;
+use super::stages::absorb::absorb;
 use super::stages::draw::Draws;
 use super::stages::escape::escape;
 use super::stages::generate::{camera_ray, start};
@@ -217,6 +218,7 @@ impl<T: Transport> Wavefront<T> {
     /// Sorts lanes by what became of their rays; those still flying take their step.
     fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
         self.record_steps(transport, samples);
+        self.absorb(job, transport);
         let Self { flights, moves, paths, vertices, arrived, search, exactly, events, scratch, .. } = self;
         let (live, vertices) = (paths.len(), &*vertices);
         let lit = |lane: usize| {
@@ -300,6 +302,18 @@ impl<T: Transport> Wavefront<T> {
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
             record_step(path, light_ray_in_flight, length, samples);
+        }
+    }
+
+    /// Dims paths inside of glass that absorbs.
+    fn absorb(&mut self, job: &Job, transport: &T) {
+        if !job.absorbs {
+            return;
+        }
+        let Self { flights, moves, paths, vertices, search, .. } = self;
+        for (lane, path) in paths.iter_mut().enumerate() {
+            let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
+            absorb(job, transport, ray, path, vertices.get_mut(lane));
         }
     }
 

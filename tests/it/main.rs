@@ -31,6 +31,7 @@ mod geometry {
 }
 
 mod light {
+    mod absorption;
     mod chi_square;
     mod emitter_furnaces;
     mod field_lights;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::shade::Principled;
+use crate::shade::{Principled, attenuation};
 
 /// Range of fractions.
 const UNIT: (f32, f32) = (0.0, 1.0);
@@ -10,6 +10,8 @@ const UNIT: (f32, f32) = (0.0, 1.0);
 const DEFAULT_IOR: f32 = 1.5;
 /// Largest index of refraction.
 const MOST_IOR: f32 = 100.0;
+/// Distances at which the colour of a volume is seen.
+const DISTANCES: (f32, f32) = (1e-18, f32::INFINITY);
 /// Thickness of the thickest film, nanometres: above, colours of films are grey.
 const THICKEST_FILM: f32 = 1e6;
 
@@ -61,6 +63,13 @@ impl<'a> Factors<'a> {
             ),
             ..Principled::PLAIN
         }
+    }
+
+    /// Share of light that the volume inside absorbs per length, if that is short; nothing if there is no volume.
+    pub fn attenuation(&mut self) -> Vec3 {
+        let colour = self.colour("KHR_materials_volume", "attenuationColor", Vec3::ONE, 1.0);
+        let distance = self.number("KHR_materials_volume", "attenuationDistance", f32::INFINITY, DISTANCES);
+        if self.has_volume() { attenuation(colour, distance) } else { Vec3::ZERO }
     }
 
     /// True if the surface encloses a volume.

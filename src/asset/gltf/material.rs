@@ -65,17 +65,17 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         cutoff,
     });
     if is_unlit(material) {
+        notes.add("unlit surfaces emit their base colour, and so light what is around, in material", &name);
         let lobe = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
         let maps = Maps { emission: maps.base_color, ..Maps::default() };
-        return Material { lobe, emission: base, emits_both_sides: true, maps, opacity };
+        return Material { lobe, emission: base, maps, opacity, ..Material::default() };
     }
-    Material {
-        lobe: lobe(material, base, notes, &name),
-        emission,
-        emits_both_sides: material.double_sided(),
-        maps,
-        opacity,
+    let mut factors = Factors::new(material);
+    let (lobe, attenuation) = (lobe(&mut factors, base, notes, &name), factors.attenuation());
+    if factors.is_clamped {
+        notes.add("numbers outside of what the format allows are clamped, in material", &name);
     }
+    Material { lobe, attenuation, emission, emits_both_sides: material.double_sided(), maps, opacity }
 }
 
 /// True if a material looks the same in any light: it emits its base colour, and reflects nothing.
@@ -137,12 +137,8 @@ fn emission(material: &gltf::Material, notes: &mut Notes, name: &str) -> Vec3 {
 }
 
 /// The lobe of a material: the simplest of those that scatter alike.
-fn lobe(material: &gltf::Material, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
-    let mut factors = Factors::new(material);
+fn lobe(factors: &mut Factors, base: Vec3, notes: &mut Notes, name: &str) -> Lobe {
     let lobe = factors.principled(base);
-    if factors.is_clamped {
-        notes.add("numbers outside of what the format allows are clamped, in material", name);
-    }
     let Principled { ior, roughness, is_thin, .. } = lobe;
     let is_lambertian =
         lobe.metallic == 0.0 && Principled { base: Vec3::ZERO, ..lobe }.albedo() == Vec3::ZERO;

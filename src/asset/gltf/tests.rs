@@ -169,6 +169,13 @@ fn materials_become_the_nearest_lobe_and_say_so() {
                           "KHR_materials_specular": { "specularFactor": 0 } } },
         { "name": "brass" },
         { "name": "lacquer", "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2, "clearcoatRoughnessFactor": 0.25 } } },
+        { "name": "sign", "pbrMetallicRoughness": { "baseColorFactor": [1, 0.5, 0, 1] }, "extensions": { "KHR_materials_unlit": {} } },
+        { "name": "pane", "pbrMetallicRoughness": { "metallicFactor": 0 },
+          "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.5 },
+                          "KHR_materials_volume": { "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0] } } },
+        { "name": "water", "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
+          "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 },
+                          "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0] } } },
     ]);
     let model = load_json(&shiny).unwrap();
     let lobes: Vec<Lobe> = model.materials.iter().map(|material| material.lobe).collect();
@@ -184,7 +191,22 @@ fn materials_become_the_nearest_lobe_and_say_so() {
     assert_eq!(lobes[3], Lobe::Principled(metal));
     let coat = Principled { clearcoat: 1.0, clearcoat_roughness: 0.25, ..metal };
     assert_eq!(lobes[4], Lobe::Principled(coat));
-    assert_eq!(warnings, ["numbers outside of what the format allows are clamped, in material: lacquer"]);
+    let sign = &model.materials[5];
+    let black = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
+    assert_eq!((sign.lobe, sign.emission), (black, Vec3::new(1.0, 0.5, 0.0)));
+    let pane = Principled { transmission: 0.5, is_thin: true, ..Principled::PLAIN };
+    assert_eq!((lobes[6], model.materials[6].attenuation), (Lobe::Principled(pane), Vec3::ZERO));
+    let dims = model.materials[7].attenuation;
+    assert_eq!((dims.x, lobes[7].ior()), (0.0, Some(1.5)));
+    assert!((dims.y - 0.5 * 2f32.ln()).abs() < 1e-6 && dims.z > 40.0 && dims.is_finite(), "{dims}");
+    assert_eq!(
+        warnings,
+        [
+            "numbers outside of what the format allows are clamped, in material: lacquer",
+            "unlit surfaces emit their base colour, and so light what is around, in material: sign",
+            "glass without KHR_materials_volume is a wall without thickness, light is not bent, in material: pane",
+        ]
+    );
 }
 
 /// The document with this light at its second node, `eye`.

@@ -30,6 +30,11 @@ impl Ggx {
         (x.min(y) >= SMOOTH).then_some(Self { x, y })
     }
 
+    /// Isotropic microfacets of any α > 0, however smooth.
+    pub fn unbounded(alpha: f64) -> Self {
+        Self { x: alpha, y: alpha }
+    }
+
     /// Isotropic microfacets.
     #[inline(always)]
     pub fn isotropic(alpha: f64) -> Option<Self> {

@@ -19,6 +19,12 @@ pub trait Bsdf: Row + Send + Sync {
         Response::default()
     }
 
+    /// Samples with the numbers `u` and evaluates towards `out`.
+    #[inline(always)]
+    fn scatter(&self, incidence: &Incidence, u: [f32; 4], out: DVec3) -> (Bounce, Response) {
+        (self.sample(incidence, u), self.evaluate(incidence, out))
+    }
+
     /// The lobe with a factor on its colour.
     fn tinted(self, factor: Vec3) -> Self;
 

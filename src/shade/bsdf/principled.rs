@@ -135,6 +135,12 @@ impl Bsdf for Principled {
         Layers::new(self, incidence).evaluate(out)
     }
 
+    #[inline(always)]
+    fn scatter(&self, incidence: &Incidence, u: [f32; 4], out: DVec3) -> (Bounce, Response) {
+        let layers = Layers::new(self, incidence);
+        (layers.sample(incidence, u.map(f64::from)), layers.evaluate(out))
+    }
+
     fn albedo(&self) -> Vec3 {
         let Schlick { f0, .. } = self.dielectric();
         let [metal, opaque, clear] = self.shares();
@@ -186,7 +192,7 @@ struct Layers {
     specular: Specular,
     /// Reflected fraction of what comes to the Lambertian.
     diffuse: Vec3,
-    /// Share of the interface that light goes through.
+    /// Interface that light goes through, and a factor on what it scatters.
     interface: Option<(f32, Interface)>,
     /// Probabilities of the parts.
     chances: [f64; Part::ALL.len()],
@@ -214,7 +220,10 @@ impl Layers {
         let interface = (clear > 0.0).then(|| {
             let eta = if lobe.is_thin { lobe.ior.into() } else { incidence.eta };
             let reflected = (lobe.specular * lobe.specular_color).min(Vec3::ONE);
-            (clear, Interface::new(ggx, (lobe.is_thin, eta), reflected, lobe.base))
+            // A thin wall scatters to either side as a metal does to one, and loses as much.
+            let gives_back = lobe.is_thin && lobe.multiscatter;
+            let share = if gives_back { clear / albedo.whole as f32 } else { clear };
+            (share, Interface::new(ggx, (lobe.is_thin, eta), reflected, lobe.base))
         });
         let coat = Coat::new(lobe.clearcoat, lobe.clearcoat_roughness.into(), wi.z);
         let sheen = Sheen::new(lobe.sheen_color, lobe.sheen_roughness.into(), wi.z);

@@ -70,6 +70,6 @@ impl<L: Bsdf> Kernel for Scatter<L> {
 
     #[inline(always)]
     fn run(&self, (lobe, incidence): &(L, Incidence), query: &LobeQuery) -> (Bounce, Response) {
-        (lobe.sample(incidence, query.u), lobe.evaluate(incidence, query.out))
+        lobe.scatter(incidence, query.u, query.out)
     }
 }

@@ -6,6 +6,7 @@
 //! | advance ([`Transport::advance`]) | ray | move |
 //! | [`intersect`] | move, geometry | what is found |
 //! | settle ([`Transport::settle`]) | ray, move, found | ray, or how it ended |
+//! | [`absorb`] | move, what is found, material around | throughput |
 //! | [`escape`] | direction at infinity, environment | radiance |
 //! | [`emit`] | landing, material | radiance |
 //! | [`look_up`] | landing, textures | material, shading normal |
@@ -19,6 +20,7 @@
 //! [`Transport::advance`]: super::transport::Transport::advance
 //! [`Transport::settle`]: super::transport::Transport::settle
 
+pub mod absorb;
 pub mod deposit;
 pub mod draw;
 pub mod emit;

@@ -1,8 +1,12 @@
 //! Light sampling shows the same picture as rays that nothing aims, and every way of it the same as every other.
 
 use crate::support::lit::{Agreement, TWISTS, Twist, picture, room};
-use crate::support::{Random, scene_file, scene_path};
+use crate::support::{
+    Random, camera, closed_box, film, hole, mesh, rectangle, scene_file, scene_path, scene_with, sphere,
+};
+use glam::DVec3;
 use warpfront::light::Heuristic;
+use warpfront::scene::Baked;
 use warpfront::scene::LightSampling::{Geodesic, Off};
 
 /// Scenes with something to sample, and to sample it from.
@@ -70,6 +74,51 @@ fn the_scenes_of_this_repository_look_the_same_with_and_without_light_sampling()
 #[ignore = "so little noise takes half an hour: cargo test --release --test it light_sampling -- --ignored --nocapture"]
 fn the_scenes_look_the_same_with_and_without_light_sampling_to_a_few_permille() {
     scene_files(2000);
+}
+
+/// A room with two lamps and balls of principled materials, some of them layered, one absorbing, and a pane of rough
+/// glass before a lamp.
+fn principled_room(r_s: f64) -> Baked {
+    const MATERIALS: [(&str, &str); 7] = [
+        ("wall", "albedo = [0.6, 0.5, 0.4]\nroughness = 0.4"),
+        ("metal", "albedo = [0.9, 0.7, 0.4]\nmetallic = 1\nroughness = 0.35"),
+        ("glass", "transmission = 1\nroughness = 0.4\nattenuation_color = [0.9, 0.5, 0.3]"),
+        ("lacquer", "albedo = [0.6, 0.1, 0.1]\nroughness = 0.7\nclearcoat = 1"),
+        ("cloth", "albedo = 0.3\nroughness = 0.8\nsheen_color = [0.4, 0.4, 0.9]\nsheen_roughness = 0.4"),
+        ("pane", "albedo = [0.5, 0.9, 0.7]\ntransmission = 0.7\nroughness = 0.5\nthin = true"),
+        ("varnish", "metallic = 0.5\nroughness = 0.3\nclearcoat = 1\nclearcoat_roughness = 0.2"),
+    ];
+    let mut text = if r_s > 0.0 { hole(DVec3::new(0.5, 0.5, 0.0), r_s) } else { String::new() };
+    text += &camera(DVec3::new(0.0, 0.0, 4.5), DVec3::ZERO, 70.0);
+    text += &film(32, 32);
+    text += "[render]\nmax_depth = 6\nroulette_depth = 3\n";
+    for (name, keys) in MATERIALS {
+        text += &format!("[[material]]\nname = \"{name}\"\nkind = \"principled\"\n{keys}\n");
+    }
+    text += "[[material]]\nname = \"lamp\"\nalbedo = 0.1\nemission = [3, 2.5, 2]\n";
+    text += &mesh("room.obj", DVec3::ZERO, "wall");
+    text += &mesh("pane.obj", DVec3::ZERO, "pane");
+    text += &sphere(DVec3::new(-2.5, 2.2, -2.0), 1.0, "lamp");
+    text += &sphere(DVec3::new(2.8, -1.0, 1.0), 0.8, "lamp");
+    for (x, y, name) in [(-2.5, -2.0, "metal"), (0.0, -2.1, "glass"), (-1.2, -0.2, "lacquer")] {
+        text += &sphere(DVec3::new(x, y, -0.5), 0.8, name);
+    }
+    for (x, y, name) in [(2.5, 2.0, "cloth"), (2.2, -2.3, "varnish")] {
+        text += &sphere(DVec3::new(x, y, -1.5), 0.8, name);
+    }
+    let room = closed_box(DVec3::splat(-3.6), DVec3::new(3.6, 3.6, 5.0));
+    let pane = rectangle(DVec3::new(-2.2, 1.5, 0.0), 1.2 * DVec3::X, 1.2 * DVec3::Y);
+    scene_with(&text, &[("room.obj", &room), ("pane.obj", &pane)])
+}
+
+#[test]
+fn principled_materials_look_the_same_with_and_without_light_sampling() {
+    for r_s in [0.0, 0.8] {
+        let mut scene = principled_room(r_s);
+        let with = picture(&mut scene, Geodesic, 128, 1);
+        let without = picture(&mut scene, Off, 512, 2);
+        Agreement::of(&with, &without).check(&format!("r_s {r_s}"));
+    }
 }
 
 /// Light sampling of one kind against another: they need not wait for rays that nothing aims.
