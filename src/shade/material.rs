@@ -1,10 +1,10 @@
 //! Material of a surface: one lobe and an emission, which textures may vary.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::bsdf::{Diffuse, Lobe, Principled};
+use super::bsdf::{Diffuse, Lobe, Principled, Variation};
 use super::media::InterfaceCrossing;
-use super::texture::{Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
+use super::texture::{AnisotropyMap, FilmMap, Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
 use crate::geometry::MeshPoint;
 
 /// A material: a lobe and what the surface emits.
@@ -41,22 +41,39 @@ impl Default for Material {
 impl Material {
     /// The material at a point of a mesh, seen by a beam of a width, by textures numbered as its maps say.
     pub fn at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Self {
-        let Maps { base_color, emission, vertex_colors, .. } = self.maps;
-        let factor = |map: Option<TextureId>| match map {
+        let maps = &self.maps;
+        let look = |map: Option<TextureId>| match map {
             Some(TextureId(id)) => textures[id as usize].at(point, width),
             None => Vec4::ONE,
         };
-        let (mut base_color, mut emission) = (factor(base_color), factor(emission));
-        match vertex_colors {
+        let (mut base_color, mut emission) = (look(maps.base_color), look(maps.emission));
+        match maps.vertex_colors {
             VertexColors::Nothing => {}
             VertexColors::BaseColor => base_color *= point.color(),
             VertexColors::Emission => emission *= point.color(),
         }
-        Self {
-            lobe: self.lobe.tinted(base_color.truncate()),
-            emission: self.emission * emission.truncate(),
-            ..*self
-        }
+        let [mr, sheen_roughness] = [maps.metallic_roughness, maps.sheen_roughness].map(look);
+        let thickness = |FilmMap { texture, range: [least, most] }: FilmMap| {
+            least + (most - least) * look(Some(texture)).y
+        };
+        let anisotropy = maps.anisotropy.map_or((1.0, DVec3::ZERO), |map| anisotropy(&map, point, look));
+        let variation = Variation {
+            color: base_color.truncate(),
+            metallic: mr.z,
+            roughness: mr.y,
+            specular: look(maps.specular).w,
+            specular_color: look(maps.specular_color).truncate(),
+            transmission: look(maps.transmission).x,
+            clearcoat: look(maps.clearcoat).x,
+            clearcoat_roughness: look(maps.clearcoat_roughness).y,
+            sheen_color: look(maps.sheen_color).truncate(),
+            sheen_roughness: sheen_roughness.w,
+            iridescence: look(maps.iridescence).x,
+            film_thickness: maps.film.map(thickness),
+            anisotropy: anisotropy.0,
+            tangent: anisotropy.1,
+        };
+        Self { lobe: self.lobe.varied(&variation), emission: self.emission * emission.truncate(), ..*self }
     }
 
     /// Unit shading normal in the world at a point of a mesh, if a texture tells.
@@ -130,6 +147,25 @@ impl Material {
 /// Share of light that a medium absorbs per length, if that is short: it leaves `colour` after `distance`.
 pub fn attenuation(colour: Vec3, distance: f32) -> Vec3 {
     colour.map(|share| if share < 1.0 { -libm::logf(share.max(f32::MIN_POSITIVE)) / distance } else { 0.0 })
+}
+
+/// Factor on the strength of an anisotropy, and its direction in the world, as textures tell by `look`.
+fn anisotropy(
+    map: &AnisotropyMap,
+    point: &MeshPoint,
+    look: impl Fn(Option<TextureId>) -> Vec4,
+) -> (f32, DVec3) {
+    let AnisotropyMap { texture, rotation: [sin, cos] } = *map;
+    let (direction, strength) = match texture {
+        Some(_) => {
+            let texel = look(texture);
+            (2.0 * texel.truncate().truncate() - 1.0, texel.z)
+        }
+        None => (Vec2::X, 1.0),
+    };
+    let turned = Vec2::new(cos, sin).rotate(direction);
+    let tangent = point.from_tangent_space([turned.x.into(), turned.y.into(), 0.0]);
+    (strength, tangent.unwrap_or(DVec3::ZERO))
 }
 
 /// Index of refraction of what light goes into through faces of `materials`, relative to that of what it comes from.

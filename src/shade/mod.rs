@@ -10,12 +10,15 @@ mod sobol;
 mod texture;
 
 pub(crate) use bsdf::sample_cosine;
-pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, Principled, SortedHits, fresnel};
+pub use bsdf::{
+    Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, Principled, SortedHits, Variation, fresnel,
+};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, attenuation, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
 pub use texture::{
-    Channel, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureId, UvTransform, VertexColors, Wrap,
+    AnisotropyMap, Channel, FilmMap, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureId,
+    UvTransform, VertexColors, Wrap,
 };

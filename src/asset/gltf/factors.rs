@@ -72,6 +72,11 @@ impl<'a> Factors<'a> {
         if self.has_volume() { attenuation(colour, distance) } else { Vec3::ZERO }
     }
 
+    /// True if a texture tells where light goes through.
+    pub fn is_transmission_mapped(&self) -> bool {
+        self.material.transmission().is_some_and(|clear| clear.transmission_texture().is_some())
+    }
+
     /// True if the surface encloses a volume.
     fn has_volume(&mut self) -> bool {
         self.number("KHR_materials_volume", "thicknessFactor", 0.0, (0.0, f32::MAX)) > 0.0

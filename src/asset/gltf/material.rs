@@ -4,13 +4,10 @@ use glam::Vec3;
 use gltf::material::AlphaMode;
 
 use super::factors::Factors;
-use super::texture::{TextureInfo, Textures};
-use crate::asset::image::Encoding;
+use super::maps::MapReader;
+use super::texture::Textures;
 use crate::asset::notes::Notes;
-use crate::shade::{
-    Bsdf, Channel, Dielectric, Diffuse, Lobe, Maps, Material, NormalMap, Opacity, Principled, TextureId,
-    VertexColors,
-};
+use crate::shade::{Bsdf, Channel, Dielectric, Diffuse, Lobe, Maps, Material, Opacity, Principled};
 
 /// Opacity below which a masked surface is not there, where none is given.
 const DEFAULT_CUTOFF: f32 = 0.5;
@@ -33,7 +30,12 @@ const READ: [&str; 10] = [
 ];
 
 /// The nearest material that the tracer has; what is lost goes to `notes`.
-pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes: &mut Notes) -> Material {
+pub(super) fn convert<'a>(
+    gltf: &'a gltf::Gltf,
+    material: &gltf::Material<'a>,
+    textures: &mut Textures<'a>,
+    notes: &mut Notes,
+) -> Material {
     let name = name_of(material);
     note_ignored(material, notes, &name);
     let pbr = material.pbr_metallic_roughness();
@@ -44,15 +46,12 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         notes.add("colours outside 0..1 are clamped, in material", &name);
     }
     let emission = emission(material, notes, &name);
-    let mut map = |kind: &str, info: Option<gltf::texture::Info>| {
-        info.and_then(|info| color_map(kind, &info, textures, notes, &name))
-    };
-    let maps = Maps {
-        base_color: map("base colour", pbr.base_color_texture()),
-        emission: map("emission", material.emissive_texture().filter(|_| emission != Vec3::ZERO)),
-        normal: normal_map(material, textures, notes, &name),
-        vertex_colors: VertexColors::Nothing,
-    };
+    let mut factors = Factors::new(material);
+    let (lobe, attenuation) = (lobe(&mut factors, base, notes, &name), factors.attenuation());
+    if factors.is_clamped {
+        notes.add("numbers outside of what the format allows are clamped, in material", &name);
+    }
+    let maps = MapReader { gltf, material, textures, notes, name: &name }.read(&lobe, emission != Vec3::ZERO);
     let cutoff = match material.alpha_mode() {
         AlphaMode::Opaque => None,
         AlphaMode::Mask => Some(Some(material.alpha_cutoff().unwrap_or(DEFAULT_CUTOFF))),
@@ -70,11 +69,6 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
         let maps = Maps { emission: maps.base_color, ..Maps::default() };
         return Material { lobe, emission: base, maps, opacity, ..Material::default() };
     }
-    let mut factors = Factors::new(material);
-    let (lobe, attenuation) = (lobe(&mut factors, base, notes, &name), factors.attenuation());
-    if factors.is_clamped {
-        notes.add("numbers outside of what the format allows are clamped, in material", &name);
-    }
     Material { lobe, attenuation, emission, emits_both_sides: material.double_sided(), maps, opacity }
 }
 
@@ -88,36 +82,6 @@ fn name_of(material: &gltf::Material) -> String {
         (Some(name), _) => name.to_owned(),
         (None, Some(index)) => format!("material {index}"),
         (None, None) => "the default material".to_owned(),
-    }
-}
-
-/// A texture of colours; `None` if it cannot be used.
-fn color_map(
-    kind: &str,
-    info: &gltf::texture::Info,
-    textures: &mut Textures,
-    notes: &mut Notes,
-    name: &str,
-) -> Option<TextureId> {
-    let texture = textures.read(&TextureInfo::new(info), Encoding::Color);
-    texture
-        .map_err(|problem| notes.add(format!("{kind} texture is ignored ({problem}), in material"), name))
-        .ok()
-}
-
-fn normal_map(
-    material: &gltf::Material,
-    textures: &mut Textures,
-    notes: &mut Notes,
-    name: &str,
-) -> Option<NormalMap> {
-    let map = material.normal_texture().filter(|map| map.scale().is_finite())?;
-    match textures.read(&TextureInfo::of_normals(&map), Encoding::Data) {
-        Ok(texture) => Some(NormalMap { texture, scale: map.scale() }),
-        Err(problem) => {
-            notes.add(format!("normal texture is ignored ({problem}), in material"), name);
-            None
-        }
     }
 }
 
@@ -146,7 +110,7 @@ fn lobe(factors: &mut Factors, base: Vec3, notes: &mut Notes, name: &str) -> Lob
         return Lobe::Diffuse(Diffuse { albedo: base });
     }
     let clear = Principled { roughness, ior, is_thin, transmission: 1.0, ..Principled::PLAIN };
-    if lobe == clear && roughness == 0.0 && !is_thin {
+    if lobe == clear && roughness == 0.0 && !is_thin && !factors.is_transmission_mapped() {
         return Lobe::Dielectric(Dielectric { ior, tint: Vec3::ONE });
     }
     if lobe.transmission > 0.0 && is_thin {
@@ -158,15 +122,12 @@ fn lobe(factors: &mut Factors, base: Vec3, notes: &mut Notes, name: &str) -> Lob
 }
 
 fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
-    let pbr = material.pbr_metallic_roughness();
-    let transmission = material.transmission().is_some_and(|glass| glass.transmission_texture().is_some());
-    let textures = [
-        ("metal and roughness", pbr.metallic_roughness_texture().is_some()),
-        ("occlusion", material.occlusion_texture().is_some()),
-        ("transmission", transmission),
-    ];
-    for (kind, _) in textures.iter().filter(|(_, present)| *present) {
-        notes.add(format!("{kind} texture is ignored, in material"), name);
+    if material.occlusion_texture().is_some() {
+        notes.add("occlusion texture is ignored, since light is traced, in material", name);
+    }
+    let coat = material.extension_value("KHR_materials_clearcoat");
+    if coat.is_some_and(|coat| coat.get("clearcoatNormalTexture").is_some()) {
+        notes.add("normal texture of a coat is ignored, in material", name);
     }
     let extensions = material.extensions().into_iter().flat_map(|map| map.keys());
     for extension in extensions.filter(|extension| !READ.contains(&extension.as_str())) {

@@ -6,6 +6,7 @@ mod container;
 mod empty;
 mod factors;
 mod light;
+mod maps;
 mod material;
 mod primitive;
 mod texture;
@@ -80,7 +81,8 @@ impl GltfImport {
         buffers::mention_images(&gltf, folder, files);
         let buffers = Buffers::read(&gltf, folder, files)?;
         let (notes, mut textures) = (&mut self.notes, Textures::new(&gltf, &buffers));
-        let materials = gltf.materials().map(|material| material::convert(&material, &mut textures, notes));
+        let materials =
+            gltf.materials().map(|material| material::convert(&gltf, &material, &mut textures, notes));
         self.model.materials = materials.collect();
         self.model.textures = textures.into_textures();
         self.nodes(&gltf, &buffers)?;
@@ -249,7 +251,7 @@ impl GltfImport {
         for set in material.iter().flat_map(|material| material.textures()).filter_map(uv_set) {
             asked_for.uv_sets.get_mut(set).iter_mut().for_each(|set| **set = true);
         }
-        asked_for.tangents = material.and_then(|material| uv_set(material.maps.normal?.texture));
+        asked_for.tangents = material.and_then(|material| material.maps.tangents_along(uv_set));
         asked_for
     }
 

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::mirror::reflect_above;
 use super::model::Bsdf;
+use super::variation::Variation;
 use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence};
 
@@ -29,8 +30,8 @@ impl Bsdf for Dielectric {
         Bounce { direction, weight: self.tint, density: 0.0, crosses }
     }
 
-    fn tinted(self, factor: Vec3) -> Self {
-        Self { tint: factor * self.tint, ..self }
+    fn varied(self, &Variation { color, .. }: &Variation) -> Self {
+        Self { tint: color * self.tint, ..self }
     }
 
     fn albedo(&self) -> Vec3 {

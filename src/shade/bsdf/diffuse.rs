@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::model::Bsdf;
+use super::variation::Variation;
 use crate::math::columns::columns;
 use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
@@ -38,8 +39,8 @@ impl Bsdf for Diffuse {
         Response { bsdf: self.albedo * density as f32, density }
     }
 
-    fn tinted(self, factor: Vec3) -> Self {
-        Self { albedo: factor * self.albedo }
+    fn varied(self, &Variation { color, .. }: &Variation) -> Self {
+        Self { albedo: color * self.albedo }
     }
 
     fn albedo(&self) -> Vec3 {

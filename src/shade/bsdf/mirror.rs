@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::model::Bsdf;
+use super::variation::Variation;
 use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence};
 
@@ -25,8 +26,8 @@ impl Bsdf for Mirror {
         Bounce { direction, weight: self.reflectance, density: 0.0, crosses: false }
     }
 
-    fn tinted(self, factor: Vec3) -> Self {
-        Self { reflectance: factor * self.reflectance }
+    fn varied(self, &Variation { color, .. }: &Variation) -> Self {
+        Self { reflectance: color * self.reflectance }
     }
 
     fn albedo(&self) -> Vec3 {

@@ -16,6 +16,7 @@ mod sheen;
 mod sorted;
 mod specular;
 mod thin_film;
+mod variation;
 
 use glam::{DVec3, Vec3};
 
@@ -26,6 +27,7 @@ pub use model::Bsdf;
 pub use principled::Principled;
 use sorted::HitsOn;
 pub use sorted::LobeQuery;
+pub use variation::Variation;
 
 use super::incidence::{Bounce, Incidence, Response};
 
@@ -71,9 +73,9 @@ macro_rules! lobes {
                 match self { $(Self::$name(lobe) => lobe.evaluate(incidence, out),)* }
             }
 
-            /// The lobe with a factor on its colour: [`Bsdf::tinted`].
-            pub fn tinted(&self, factor: Vec3) -> Self {
-                match self { $(Self::$name(lobe) => Self::$name(lobe.tinted(factor)),)* }
+            /// The lobe as it is at a point of a surface: [`Bsdf::varied`].
+            pub fn varied(&self, by: &Variation) -> Self {
+                match self { $(Self::$name(lobe) => Self::$name(lobe.varied(by)),)* }
             }
 
             /// Colour in the albedo plane.

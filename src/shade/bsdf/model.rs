@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::variation::Variation;
 use crate::math::columns::Row;
 use crate::shade::incidence::{Bounce, Incidence, Response};
 
@@ -25,8 +26,8 @@ pub trait Bsdf: Row + Send + Sync {
         (self.sample(incidence, u), self.evaluate(incidence, out))
     }
 
-    /// The lobe with a factor on its colour.
-    fn tinted(self, factor: Vec3) -> Self;
+    /// The lobe as it is at a point of a surface.
+    fn varied(self, by: &Variation) -> Self;
 
     /// Colour in the albedo plane: scattered fraction of the light.
     fn albedo(&self) -> Vec3;

@@ -28,6 +28,7 @@ use super::schlick::{GgxAlbedo, Schlick};
 use super::sheen::Sheen;
 use super::specular::{Reflector, Specular};
 use super::thin_film::ThinFilm;
+use super::variation::Variation;
 use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence, Response};
 
@@ -152,8 +153,24 @@ impl Bsdf for Principled {
         coat + (1.0 - coat) * beneath
     }
 
-    fn tinted(self, factor: Vec3) -> Self {
-        Self { base: self.base * factor, ..self }
+    fn varied(self, by: &Variation) -> Self {
+        Self {
+            base: self.base * by.color,
+            metallic: self.metallic * by.metallic,
+            roughness: self.roughness * by.roughness,
+            anisotropy: self.anisotropy * by.anisotropy,
+            tangent: by.tangent,
+            specular: self.specular * by.specular,
+            specular_color: self.specular_color * by.specular_color,
+            transmission: self.transmission * by.transmission,
+            clearcoat: self.clearcoat * by.clearcoat,
+            clearcoat_roughness: self.clearcoat_roughness * by.clearcoat_roughness,
+            sheen_color: self.sheen_color * by.sheen_color,
+            sheen_roughness: self.sheen_roughness * by.sheen_roughness,
+            iridescence: self.iridescence * by.iridescence,
+            iridescence_thickness: by.film_thickness.unwrap_or(self.iridescence_thickness),
+            ..self
+        }
     }
 
     fn is_specular(&self) -> bool {

@@ -7,5 +7,5 @@ mod opacity;
 
 pub use image::{MipImage, Raster};
 pub use lookup::{Texture, UvTransform, Wrap};
-pub use maps::{Maps, NormalMap, TextureId, VertexColors};
+pub use maps::{AnisotropyMap, FilmMap, Maps, NormalMap, TextureId, VertexColors};
 pub use opacity::{Channel, Opacity};
