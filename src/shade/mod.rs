@@ -17,5 +17,6 @@ pub use material::{Material, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
 pub use texture::{
-    Channel, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureId, UvTransform, VertexColors, Wrap,
+    Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel, TextureId, UvTransform,
+    VertexColors, Wrap,
 };

@@ -7,7 +7,8 @@ use super::texture::{TextureInfo, Textures};
 use crate::asset::image::Encoding;
 use crate::asset::notes::Notes;
 use crate::shade::{
-    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, NormalMap, Opacity, TextureId, VertexColors,
+    Dielectric, Diffuse, Lobe, Maps, Material, Mirror, NormalMap, Opacity, TextureChannel, TextureId,
+    VertexColors,
 };
 
 /// Largest roughness that counts as a perfect mirror or clear glass.
@@ -57,7 +58,7 @@ pub(super) fn convert(material: &gltf::Material, textures: &mut Textures, notes:
     };
     let opacity = cutoff.map(|cutoff| Opacity {
         factor: if alpha.is_nan() { 1.0 } else { alpha.clamp(0.0, 1.0) },
-        map: maps.base_color.filter(|map| textures.has_alpha(*map)).map(|map| (map, Channel::Alpha)),
+        map: maps.base_color.filter(|map| textures.has_alpha(*map)).map(|map| (map, TextureChannel::Alpha)),
         by_vertices: false,
         cutoff,
     });
