@@ -14,8 +14,8 @@ use super::notes::Notes;
 use super::statements::{Statement, Statements};
 use super::textures::TextureTable;
 use crate::shade::{
-    Channel, Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, Principled, Texture, TextureId,
-    UvTransform, Wrap,
+    Dielectric, Diffuse, Lobe, Maps, Material, Mirror, Opacity, Principled, Texture, TextureChannel,
+    TextureId, UvTransform, Wrap,
 };
 use crate::text;
 
@@ -295,8 +295,9 @@ impl Converter<'_> {
     fn opacity(&mut self, material: &tobj::Material) -> Option<Opacity> {
         let map = material.dissolve_texture.as_deref();
         let map = map.and_then(|map| self.texture("map_d", Encoding::Data, map));
-        let channel =
-            |map: TextureId| if self.pictures.has_alpha(map) { Channel::Alpha } else { Channel::Red };
+        let channel = |map: TextureId| {
+            if self.pictures.has_alpha(map) { TextureChannel::Alpha } else { TextureChannel::Red }
+        };
         let factor = material.dissolve.map_or(1.0, |d| if d.is_nan() { 1.0 } else { d.clamp(0.0, 1.0) });
         let map = map.map(|map| (map, channel(map)));
         Some(Opacity { factor, map, by_vertices: false, cutoff: None }).filter(Opacity::lets_through)

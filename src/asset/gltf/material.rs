@@ -7,7 +7,7 @@ use super::factors::Factors;
 use super::maps::MapReader;
 use super::texture::Textures;
 use crate::asset::notes::Notes;
-use crate::shade::{Bsdf, Channel, Dielectric, Diffuse, Lobe, Maps, Material, Opacity, Principled};
+use crate::shade::{Bsdf, Dielectric, Diffuse, Lobe, Maps, Material, Opacity, Principled, TextureChannel};
 
 /// Opacity below which a masked surface is not there, where none is given.
 const DEFAULT_CUTOFF: f32 = 0.5;
@@ -59,7 +59,7 @@ pub(super) fn convert<'a>(
     };
     let opacity = cutoff.map(|cutoff| Opacity {
         factor: if alpha.is_nan() { 1.0 } else { alpha.clamp(0.0, 1.0) },
-        map: maps.base_color.filter(|map| textures.has_alpha(*map)).map(|map| (map, Channel::Alpha)),
+        map: maps.base_color.filter(|map| textures.has_alpha(*map)).map(|map| (map, TextureChannel::Alpha)),
         by_vertices: false,
         cutoff,
     });

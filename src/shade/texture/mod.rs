@@ -8,4 +8,4 @@ mod opacity;
 pub use image::{MipImage, Raster};
 pub use lookup::{Texture, UvTransform, Wrap};
 pub use maps::{AnisotropyMap, FilmMap, Maps, NormalMap, TextureId, VertexColors};
-pub use opacity::{Channel, Opacity};
+pub use opacity::{Opacity, TextureChannel};

@@ -6,7 +6,7 @@ use crate::geometry::MeshPoint;
 
 /// Component of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
+pub enum TextureChannel {
     /// The first colour, which of grey ones is each.
     Red,
     /// Opacity.
@@ -19,7 +19,7 @@ pub struct Opacity {
     /// That of the whole surface.
     pub factor: f32,
     /// Texture that is a factor on it.
-    pub map: Option<(TextureId, Channel)>,
+    pub map: Option<(TextureId, TextureChannel)>,
     /// True if the opacity of vertex colours is one as well.
     pub by_vertices: bool,
     /// Opacity from which on the surface is opaque, and below which it is not there.
@@ -41,8 +41,8 @@ impl Opacity {
             if let Some((TextureId(id), channel)) = map {
                 let texel = textures[id as usize].at(point, 0.0);
                 opacity *= match channel {
-                    Channel::Red => texel.x,
-                    Channel::Alpha => texel.w,
+                    TextureChannel::Red => texel.x,
+                    TextureChannel::Alpha => texel.w,
                 };
             }
             opacity *= if by_vertices { point.color().w } else { 1.0 };

@@ -8,7 +8,7 @@ use crate::scene::Baked;
 use crate::shade::Material;
 
 /// The material that a ray meets where it lands: the scene's, or as textures vary it, which may also change the shading
-/// normal. What the camera `is_seen` to look at is filtered by the width of its pixels.
+/// normal. What the camera `is_seen` to look at is filtered as its pixels are wide.
 #[inline(always)]
 pub fn look_up<'a>(
     scene: &'a Baked,
@@ -35,20 +35,21 @@ fn textured<'a>(
     let Some(point) = scene.geometry.mesh_point(meeting.primitive, landing.position) else {
         return Cow::Borrowed(material);
     };
-    let width = if is_seen { pixel_width(scene, landing) } else { 0.0 };
+    let width = if is_seen { filter_width(scene, landing) } else { 0.0 };
     if let Some(normal) = material.normal_at(&point, width, &scene.textures) {
         [_, meeting.surface.shading_normal] = landing.stretch.normals([normal; 2]);
     }
     Cow::Owned(material.at(&point, width, &scene.textures))
 }
 
-/// Width of a pixel's beam where a ray of the camera lands, by the distance alone: where a lens makes a picture smaller
-/// than that, the samples of the pixel see more of it. 0 on the other side of a wormhole.
-fn pixel_width(scene: &Baked, landing: &Landing) -> f64 {
+/// Width at which what the camera sees is filtered: of half a pixel's beam, since the samples of a pixel filter as well.
+/// It goes by the distance alone: where a lens makes a picture smaller than that, the samples see more of it. 0 on the
+/// other side of a wormhole.
+fn filter_width(scene: &Baked, landing: &Landing) -> f64 {
     let camera = &scene.camera;
     if landing.primitive.side() != camera.side {
         return 0.0;
     }
-    let pixel = 2.0 * camera.tan_half_fov / scene.settings.height as f64;
-    pixel * landing.position.distance(camera.position)
+    let half_pixel = camera.tan_half_fov / scene.settings.height as f64;
+    half_pixel * landing.position.distance(camera.position)
 }

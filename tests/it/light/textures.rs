@@ -250,7 +250,7 @@ fn half_transparent_panels_throw_half_a_shadow() {
 fn screened(text: &str) -> Baked {
     let quads = [
         Quad::new(DVec3::new(-3.0, 0.0, 3.0), 6.0 * DVec3::X, -6.0 * DVec3::Z, 0),
-        Quad::new(DVec3::new(-1.5, 3.0, -1.0), 3.0 * DVec3::X, 2.0 * DVec3::Z, 1),
+        Quad::new(DVec3::new(-3.0, 3.0, -2.0), 6.0 * DVec3::X, 4.0 * DVec3::Z, 1),
         Quad::new(DVec3::new(-2.0, 0.5, 2.0), 4.0 * DVec3::X, 2.0 * DVec3::Y, 2),
     ];
     let image = picture(2, &[[255, 128, 64, 255], [90, 255, 255, 0], [10, 20, 250, 128], [200, 30, 60, 255]]);
