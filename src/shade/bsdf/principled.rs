@@ -44,7 +44,8 @@ columns! {
         roughness: f32,
         /// Share by which α grows towards 1 along the tangent.
         anisotropy: f32,
-        /// Direction of the anisotropy: any that is not along the normal; zero for an arbitrary one.
+        /// Direction of the anisotropy, any that is not along the normal: in a material in tangent space, x along the
+        /// tangent, at a hit in the world.
         tangent: DVec3,
         /// Index of refraction relative to vacuum.
         ior: f32,
@@ -82,7 +83,7 @@ impl Principled {
         metallic: 0.0,
         roughness: 1.0,
         anisotropy: 0.0,
-        tangent: DVec3::ZERO,
+        tangent: DVec3::X,
         ior: 1.5,
         specular: 1.0,
         specular_color: Vec3::ONE,
