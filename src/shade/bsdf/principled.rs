@@ -202,7 +202,7 @@ impl Part {
 impl Layers {
     #[inline(always)]
     fn new(lobe: &Principled, incidence: &Incidence) -> Self {
-        let frame = LocalFrame::new(incidence, lobe.tangent);
+        let frame = LocalFrame::new(incidence, (lobe.anisotropy > 0.0).then_some(lobe.tangent));
         let wi = frame.towards(incidence.direction);
         let [metal, opaque, clear] = lobe.shares();
         let ggx = lobe.microfacets();
