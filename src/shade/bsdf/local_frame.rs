@@ -5,6 +5,8 @@ use glam::DVec3;
 use crate::math::frame::tangents;
 use crate::shade::incidence::Incidence;
 
+/// Largest square of the sine of the angle between vectors that are taken as parallel.
+const PARALLEL: f64 = 1e-12;
 /// Least cosine to the normal that is computed with.
 const GRAZING: f64 = 1e-7;
 
@@ -20,14 +22,17 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// Frame of an incidence, x along `tangent` as far as it is square to the normal; along anything if it is zero.
+    /// Frame of an incidence, x along `tangent` as far as it is square to the normal; along anything without one.
     #[inline(always)]
-    pub fn new(incidence: &Incidence, tangent: DVec3) -> Self {
+    pub fn new(incidence: &Incidence, tangent: Option<DVec3>) -> Self {
         let &Incidence { direction, normal, shading_normal, .. } = incidence;
         let z = if -direction.dot(shading_normal) > GRAZING { shading_normal } else { normal };
-        let (x, y) = match (tangent - tangent.dot(z) * z).try_normalize() {
-            Some(x) => (x, z.cross(x)),
-            None => tangents(z),
+        let across = tangent.map_or(DVec3::ZERO, |tangent| tangent - tangent.dot(z) * z);
+        let (x, y) = if across.length_squared() > PARALLEL {
+            let x = across.normalize();
+            (x, z.cross(x))
+        } else {
+            tangents(z)
         };
         Self { x, y, z, normal }
     }

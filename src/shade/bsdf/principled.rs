@@ -2,10 +2,10 @@
 //!
 //! From the top: clear coat, sheen, and a mix of a metal, of a dielectric over a Lambertian, and of a dielectric that
 //! light goes through. Formulas are those of the specification (its appendix B, with height-correlated masking) and of
-//! its extensions, but for one thing: what lies beneath a layer gets the light that the layer leaves over as seen from
-//! where light comes from, one minus its directional albedo, so that none is gained. (The specification has
-//! 1 − F(V·H), which gains up to two thirds at grazing angles on a smooth white surface; Cycles does as here.) So what
-//! lies beneath is not reciprocal; each layer by itself is, refraction up to η².
+//! its extensions, but for one thing: none gains light. The Lambertian below a dielectric gets 1 − F(V·H), which together
+//! with what the dielectric reflects would be up to 1.7 times the light that comes to a smooth white surface at grazing
+//! angles; it is dimmed there. So it is not reciprocal at such angles, nor is what lies below a coat, nor the coat; each
+//! other layer by itself is, refraction up to η².
 //!
 //! One part is chosen by what it scatters, and the density is that of all of them. Parts that are smooth scatter into
 //! single directions; the lobe's density is then that of the others.
@@ -45,7 +45,8 @@ columns! {
         roughness: f32,
         /// Share by which α grows towards 1 along the tangent.
         anisotropy: f32,
-        /// Direction of the anisotropy: any that is not along the normal; zero for an arbitrary one.
+        /// Direction of the anisotropy, any that is not along the normal: in a material in tangent space, x along the
+        /// tangent, at a hit in the world.
         tangent: DVec3,
         /// Index of refraction relative to vacuum.
         ior: f32,
@@ -83,7 +84,7 @@ impl Principled {
         metallic: 0.0,
         roughness: 1.0,
         anisotropy: 0.0,
-        tangent: DVec3::ZERO,
+        tangent: DVec3::X,
         ior: 1.5,
         specular: 1.0,
         specular_color: Vec3::ONE,
@@ -222,7 +223,7 @@ impl Part {
 impl Layers {
     #[inline(always)]
     fn new(lobe: &Principled, incidence: &Incidence) -> Self {
-        let frame = LocalFrame::new(incidence, lobe.tangent);
+        let frame = LocalFrame::new(incidence, (lobe.anisotropy > 0.0).then_some(lobe.tangent));
         let wi = frame.towards(incidence.direction);
         let [metal, opaque, clear] = lobe.shares();
         let ggx = lobe.microfacets();
@@ -233,7 +234,7 @@ impl Layers {
         ];
         let film = ThinFilm::new(lobe.iridescence, lobe.iridescence_ior, lobe.iridescence_thickness);
         let specular = Specular::new(ggx, &albedo, wi.z, (reflectors, film), lobe.multiscatter);
-        let diffuse = specular.passes() * lobe.base;
+        let diffuse = specular.dims(lobe.base, wi.z);
         let interface = (clear > 0.0).then(|| {
             let eta = if lobe.is_thin { lobe.ior.into() } else { incidence.eta };
             let reflected = (lobe.specular * lobe.specular_color).min(Vec3::ONE);
@@ -245,7 +246,7 @@ impl Layers {
         let coat = Coat::new(lobe.clearcoat, lobe.clearcoat_roughness.into(), wi.z);
         let sheen = Sheen::new(lobe.sheen_color, lobe.sheen_roughness.into(), wi.z);
 
-        let coated = coat.map_or(0.0, |coat| coat.albedo);
+        let coated = coat.map_or(0.0, |coat| coat.reflectance);
         let cloth =
             sheen.map_or(0.0, |sheen| (sheen.albedo.min(1.0) as f32) * lobe.sheen_color.max_element());
         let beneath = (1.0 - coated) * (1.0 - cloth);
@@ -264,7 +265,7 @@ impl Layers {
     /// Share of light that gets beneath the coat.
     #[inline(always)]
     fn under_coat(&self) -> f32 {
-        1.0 - self.coat.map_or(0.0, |coat| coat.albedo)
+        1.0 - self.coat.map_or(0.0, |coat| coat.reflectance)
     }
 
     /// Share of light that gets beneath coat and sheen, and leaves at the cosine of where it comes from.
@@ -305,7 +306,9 @@ impl Layers {
             }
             add(Part::Specular, beneath, self.specular.evaluate(wi, wo));
             let density = wo.z / PI;
-            add(Part::Diffuse, beneath, Response { bsdf: self.diffuse * density as f32, density });
+            let passes = self.specular.transmittance(wi.dot((wi + wo).normalize()));
+            let bsdf = self.diffuse * (passes * density as f32);
+            add(Part::Diffuse, beneath, Response { bsdf, density });
         }
         if let Some((share, interface)) = &self.interface {
             add(Part::Interface, beneath * share, interface.evaluate(wi, wo));
@@ -326,7 +329,7 @@ impl Layers {
         let wo = match part {
             Part::Coat => match &self.coat {
                 Some(Coat { ggx: Some(ggx), .. }) => ggx.sample_reflection(wi, u, v),
-                Some(coat) => return mirrored(coat.reflectance(wi.z)),
+                Some(coat) => return mirrored(Vec3::splat(coat.reflectance)),
                 None => None,
             },
             Part::Sheen => Some(Sheen::sample(u, v)),

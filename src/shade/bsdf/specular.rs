@@ -7,6 +7,10 @@ use super::schlick::{GgxAlbedo, Schlick};
 use super::thin_film::ThinFilm;
 use crate::shade::incidence::Response;
 
+/// Places of both in the mix.
+const METAL: usize = 0;
+const DIELECTRIC: usize = 1;
+
 /// One of both in the mix.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
@@ -46,32 +50,46 @@ impl Specular {
             let bare = fresnel.albedo(albedo);
             film.map_or(bare, |film| bare.lerp(film.at(mu, fresnel.f0) * albedo.whole as f32, film.factor))
         });
-        let albedos = [0, 1].map(|index| (compensations[index] * single[index]).min(Vec3::ONE));
+        let albedos = [METAL, DIELECTRIC].map(|index| (compensations[index] * single[index]).min(Vec3::ONE));
         Self { ggx, reflectors, compensations, film, albedos }
     }
 
     /// Reflected share of light.
     #[inline(always)]
     pub fn albedo(&self) -> Vec3 {
-        self.albedos[0] * self.reflectors[0].share + self.albedos[1] * self.reflectors[1].share
+        self.albedos[METAL] * self.reflectors[METAL].share
+            + self.albedos[DIELECTRIC] * self.reflectors[DIELECTRIC].share
     }
 
-    /// Share of light that goes on into the dielectric.
+    /// Albedo of the Lambertian below the dielectric, of one of `base` by itself: no more than gains no light, for light
+    /// at the cosine `mu`.
     #[inline(always)]
-    pub fn passes(&self) -> f32 {
-        self.reflectors[1].share * (1.0 - self.albedos[1].max_element())
+    pub fn dims(&self, base: Vec3, mu: f64) -> Vec3 {
+        let Reflector { share, fresnel } = self.reflectors[DIELECTRIC];
+        let passes = if self.film.is_some() { 1.0 } else { fresnel.passes(mu) };
+        share * base.min(Vec3::splat((1.0 - self.albedos[DIELECTRIC].max_element()) / passes))
+    }
+
+    /// Share of light that passes a facet of the dielectric at a cosine.
+    #[inline(always)]
+    pub fn transmittance(&self, cos: f64) -> f32 {
+        1.0 - self.facet(DIELECTRIC, cos).max_element()
     }
 
     /// Reflectance at a cosine to the facet.
     #[inline(always)]
     pub fn reflectance(&self, cos: f64) -> Vec3 {
-        let of = |index: usize| {
-            let Reflector { share, fresnel } = self.reflectors[index];
-            let bare = fresnel.at(cos);
-            let coloured = self.film.map_or(bare, |film| bare.lerp(film.at(cos, fresnel.f0), film.factor));
-            share * self.compensations[index] * coloured
-        };
-        of(0) + of(1)
+        let of =
+            |index: usize| self.reflectors[index].share * self.compensations[index] * self.facet(index, cos);
+        of(METAL) + of(DIELECTRIC)
+    }
+
+    /// That of facets of one of both.
+    #[inline(always)]
+    fn facet(&self, index: usize, cos: f64) -> Vec3 {
+        let fresnel = self.reflectors[index].fresnel;
+        let bare = fresnel.at(cos);
+        self.film.map_or(bare, |film| bare.lerp(film.at(cos, fresnel.f0), film.factor))
     }
 
     /// BRDF × cosine and density; none of a mirror.

@@ -157,13 +157,12 @@ fn layers_by_themselves_are_reciprocal_and_refraction_is_up_to_the_square_of_the
     let single =
         |lobe: Principled| Principled { multiscatter: false, base: Vec3::new(0.9, 0.5, 0.1), ..lobe };
     let black = Principled { base: Vec3::ZERO, ..Principled::PLAIN };
-    let coat = Principled { clearcoat: 1.0, clearcoat_roughness: 0.4, specular: 0.0, ..black };
     let sheen = Principled { sheen_color: Vec3::ONE, sheen_roughness: 0.2, specular: 0.0, ..black };
     let film = Principled { iridescence: 0.6, ..METAL };
     let anisotropic = Principled { anisotropy: 0.8, tangent: DVec3::X, ..METAL };
     let thin = Principled { transmission: 1.0, ..Principled::PLAIN };
     let lobes = [METAL, anisotropic, film, thin, GLASS].map(single);
-    for lobe in lobes.into_iter().chain([coat, sheen, Principled { multiscatter: false, ..black }]) {
+    for lobe in lobes.into_iter().chain([sheen, Principled { multiscatter: false, ..black }]) {
         let lobe = Principled { roughness: 0.6, ..lobe };
         let mut count = 0;
         for _ in 0..2000 {
