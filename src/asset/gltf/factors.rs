@@ -6,8 +6,6 @@ use crate::shade::{Principled, attenuation};
 
 /// Range of fractions.
 const UNIT: (f32, f32) = (0.0, 1.0);
-/// Rotations of an anisotropy, radians.
-const ROTATIONS: (f32, f32) = (-1e6, 1e6);
 /// Index of refraction without `KHR_materials_ior`.
 const DEFAULT_IOR: f32 = 1.5;
 /// Largest index of refraction.
@@ -35,14 +33,12 @@ impl<'a> Factors<'a> {
         let pbr = self.material.pbr_metallic_roughness();
         let transmission = self.material.transmission().map_or(0.0, |clear| clear.transmission_factor());
         let ior = self.material.ior().unwrap_or(DEFAULT_IOR);
-        let rotation = self.number("KHR_materials_anisotropy", "anisotropyRotation", 0.0, ROTATIONS);
-        let (sin, cos) = libm::sincos(rotation.into());
         Principled {
             base,
             metallic: self.clamped(pbr.metallic_factor(), UNIT, 1.0),
             roughness: self.clamped(pbr.roughness_factor(), UNIT, 1.0),
             anisotropy: self.number("KHR_materials_anisotropy", "anisotropyStrength", 0.0, UNIT),
-            tangent: DVec3::new(cos, sin, 0.0),
+            tangent: DVec3::ZERO,
             ior: self.clamped(ior, (1.0, MOST_IOR), DEFAULT_IOR),
             specular: self.number("KHR_materials_specular", "specularFactor", 1.0, UNIT),
             specular_color: self.colour("KHR_materials_specular", "specularColorFactor", Vec3::ONE, f32::MAX),
