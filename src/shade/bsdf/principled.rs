@@ -275,17 +275,18 @@ impl Layers {
         if side < 0 {
             beneath = self.under_sheen();
         } else {
+            let h = (wi + wo).normalize();
             if let Some(coat) = &self.coat {
-                add(Part::Coat, 1.0, coat.evaluate(wi, wo));
+                add(Part::Coat, 1.0, coat.evaluate(wi, wo, h));
             }
             if let Some(sheen) = &self.sheen {
                 let (response, leaves) = sheen.evaluate(wi, wo);
                 add(Part::Sheen, beneath, response);
                 beneath *= leaves as f32;
             }
-            add(Part::Specular, beneath, self.specular.evaluate(wi, wo));
+            add(Part::Specular, beneath, self.specular.evaluate(wi, wo, h));
             let density = wo.z / PI;
-            let passes = self.specular.transmittance(wi.dot((wi + wo).normalize()));
+            let passes = self.specular.transmittance(wi.dot(h));
             let bsdf = self.diffuse * (passes * density as f32);
             add(Part::Diffuse, beneath, Response { bsdf, density });
         }
