@@ -258,16 +258,34 @@ impl Layers {
         self.chances[part as usize]
     }
 
-    /// BSDF × cosine of all parts that spread light, and the density with which one of them is sampled.
+    /// BSDF × cosine of all parts that spread light, and the density with which one of them is sampled. Light that a
+    /// shading normal sends through an opaque surface is reflected by that: none is lost.
     #[inline(always)]
     fn evaluate(&self, out: DVec3) -> Response {
-        let (wi, wo) = (self.wi, self.frame.local(out));
+        let wo = self.frame.local(out);
+        let response = self.towards(wo, self.frame.side(out, wo));
+        let image = if self.interface.is_none() { self.frame.image_below(out) } else { None };
+        match image {
+            Some(image) if image.z > 0.0 => {
+                let reflected = self.towards(image, 1);
+                Response {
+                    bsdf: response.bsdf + reflected.bsdf,
+                    density: response.density + reflected.density,
+                }
+            }
+            Some(_) | None => response,
+        }
+    }
+
+    /// Response towards a direction in the frame, on this side of the surface.
+    #[inline(always)]
+    fn towards(&self, wo: DVec3, side: i8) -> Response {
+        let wi = self.wi;
         let mut sum = Response::default();
         let mut add = |part: Part, factor: f32, Response { bsdf, density }: Response| {
             sum.bsdf += factor * bsdf;
             sum.density += self.chance(part) * density;
         };
-        let side = self.frame.side(out, wo);
         if side == 0 {
             return sum;
         }
@@ -330,6 +348,7 @@ impl Layers {
         };
         let Some(wo) = wo else { return absorbed(incidence) };
         let direction = self.frame.world(wo);
+        let direction = if self.interface.is_none() { self.frame.image_above(direction) } else { direction };
         let Response { bsdf, density } = self.evaluate(direction);
         if density <= 0.0 {
             return absorbed(incidence);
