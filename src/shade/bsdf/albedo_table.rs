@@ -10,7 +10,7 @@ const PADDED: usize = NODES + 2;
 /// Nodes are even in ⁴√μ and in the root of the roughness: albedos change fastest at grazing angles and on smooth
 /// surfaces.
 pub struct AlbedoTable<const N: usize> {
-    values: Vec<[f64; N]>,
+    values: Vec<[f32; N]>,
 }
 
 impl<const N: usize> AlbedoTable<N> {
@@ -18,9 +18,10 @@ impl<const N: usize> AlbedoTable<N> {
     pub fn new(function: impl Fn(f64, f64) -> [f64; N]) -> Self {
         let node = |index: usize| (index as f64 - 1.0) / (NODES - 1) as f64;
         let inner = |index: usize| (1..=NODES).contains(&index);
-        let mut values = vec![[0.0; N]; PADDED * PADDED];
+        let mut values = vec![[0f32; N]; PADDED * PADDED];
         for (row, column) in (1..=NODES).flat_map(|row| (1..=NODES).map(move |column| (row, column))) {
-            values[row * PADDED + column] = function(node(column).powi(4), node(row) * node(row));
+            let value = function(node(column).powi(4), node(row) * node(row));
+            values[row * PADDED + column] = value.map(|value| value as f32);
         }
         // Beyond the ends, lines go on straight.
         for row in (0..PADDED).filter(|&row| inner(row)) {
@@ -39,9 +40,10 @@ impl<const N: usize> AlbedoTable<N> {
         let mut sum = [0.0; N];
         for (i, weight_along) in along.iter().enumerate() {
             for (j, weight_across) in across.iter().enumerate() {
+                let weight = weight_along * weight_across;
                 let value = &self.values[(row + i) * PADDED + column + j];
                 for (sum, value) in sum.iter_mut().zip(value) {
-                    *sum += weight_along * weight_across * value;
+                    *sum += weight * f64::from(*value);
                 }
             }
         }
@@ -50,7 +52,7 @@ impl<const N: usize> AlbedoTable<N> {
 }
 
 /// Extends a line of nodes from `start` by `stride` at both ends.
-fn extend<const N: usize>(values: &mut [[f64; N]], start: usize, stride: usize) {
+fn extend<const N: usize>(values: &mut [[f32; N]], start: usize, stride: usize) {
     for (outer, end, next) in [(0, 1, 2), (NODES + 1, NODES, NODES - 1)] {
         let [end, next] = [end, next].map(|index| values[start + index * stride]);
         values[start + outer * stride] = std::array::from_fn(|i| 2.0 * end[i] - next[i]);

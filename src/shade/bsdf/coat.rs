@@ -31,11 +31,11 @@ impl Coat {
         })
     }
 
-    /// BRDF × cosine and density; none of a smooth one.
+    /// BRDF × cosine and density, `h` halfway between both directions; none of a smooth one.
     #[inline(always)]
-    pub fn evaluate(&self, wi: DVec3, wo: DVec3) -> Response {
+    pub fn evaluate(&self, wi: DVec3, wo: DVec3, h: DVec3) -> Response {
         let Some(ggx) = self.ggx else { return Response::default() };
-        let (_, density, whole) = ggx.reflection(wi, wo);
+        let [density, whole] = ggx.reflection(wi, wo, h);
         Response { bsdf: Vec3::splat(self.reflectance * whole as f32), density }
     }
 }

@@ -82,14 +82,12 @@ impl Ggx {
         DVec3::new(self.x * cap.x, self.y * cap.y, cap.z.max(0.0)).normalize()
     }
 
-    /// Reflection from `wi` to `wo`, both above the surface: the cosine to the facet, the density in solid angle, and
-    /// BRDF × cosine of facets that reflect everything.
+    /// Reflection from `wi` to `wo`, both above the surface, by facets of normal `h`: the density in solid angle, and
+    /// BRDF × cosine if they reflect everything.
     #[inline(always)]
-    pub fn reflection(&self, wi: DVec3, wo: DVec3) -> (f64, f64, f64) {
-        let h = (wi + wo).normalize();
-        let cos = wi.dot(h);
-        let density = self.visible(wi, h) / (4.0 * cos);
-        (cos, density, density * self.unshadowed(wi, wo))
+    pub fn reflection(&self, wi: DVec3, wo: DVec3, h: DVec3) -> [f64; 2] {
+        let density = self.visible(wi, h) / (4.0 * wi.dot(h));
+        [density, density * self.unshadowed(wi, wo)]
     }
 
     /// A reflected direction with that density, from two numbers in [0, 1); `None` if it is below the surface.

@@ -56,6 +56,19 @@ impl LocalFrame {
         (w.x * self.x + w.y * self.y + w.z * self.z).normalize()
     }
 
+    /// Mirror image of a direction about the surface, if that is below it.
+    #[inline(always)]
+    pub fn image_above(&self, direction: DVec3) -> DVec3 {
+        direction - 2.0 * direction.dot(self.normal).min(0.0) * self.normal
+    }
+
+    /// Mirror image of a direction above the surface, in the frame; `None` of one below.
+    #[inline(always)]
+    pub fn image_below(&self, direction: DVec3) -> Option<DVec3> {
+        let height = direction.dot(self.normal);
+        (height > 0.0).then(|| self.local(direction - 2.0 * height * self.normal))
+    }
+
     /// Side of the surface on which an outgoing direction lies: 1 where light comes from, −1 beyond; 0 where the
     /// normals disagree and no light goes.
     #[inline(always)]

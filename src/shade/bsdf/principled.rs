@@ -279,16 +279,34 @@ impl Layers {
         self.chances[part as usize]
     }
 
-    /// BSDF × cosine of all parts that spread light, and the density with which one of them is sampled.
+    /// BSDF × cosine of all parts that spread light, and the density with which one of them is sampled. Light that a
+    /// shading normal sends through an opaque surface is reflected by that: none is lost.
     #[inline(always)]
     fn evaluate(&self, out: DVec3) -> Response {
-        let (wi, wo) = (self.wi, self.frame.local(out));
+        let wo = self.frame.local(out);
+        let response = self.towards(wo, self.frame.side(out, wo));
+        let image = if self.interface.is_none() { self.frame.image_below(out) } else { None };
+        match image {
+            Some(image) if image.z > 0.0 => {
+                let reflected = self.towards(image, 1);
+                Response {
+                    bsdf: response.bsdf + reflected.bsdf,
+                    density: response.density + reflected.density,
+                }
+            }
+            Some(_) | None => response,
+        }
+    }
+
+    /// Response towards a direction in the frame, on this side of the surface.
+    #[inline(always)]
+    fn towards(&self, wo: DVec3, side: i8) -> Response {
+        let wi = self.wi;
         let mut sum = Response::default();
         let mut add = |part: Part, factor: f32, Response { bsdf, density }: Response| {
             sum.bsdf += factor * bsdf;
             sum.density += self.chance(part) * density;
         };
-        let side = self.frame.side(out, wo);
         if side == 0 {
             return sum;
         }
@@ -296,17 +314,18 @@ impl Layers {
         if side < 0 {
             beneath = self.under_sheen();
         } else {
+            let h = (wi + wo).normalize();
             if let Some(coat) = &self.coat {
-                add(Part::Coat, 1.0, coat.evaluate(wi, wo));
+                add(Part::Coat, 1.0, coat.evaluate(wi, wo, h));
             }
             if let Some(sheen) = &self.sheen {
                 let (response, leaves) = sheen.evaluate(wi, wo);
                 add(Part::Sheen, beneath, response);
                 beneath *= leaves as f32;
             }
-            add(Part::Specular, beneath, self.specular.evaluate(wi, wo));
+            add(Part::Specular, beneath, self.specular.evaluate(wi, wo, h));
             let density = wo.z / PI;
-            let passes = self.specular.transmittance(wi.dot((wi + wo).normalize()));
+            let passes = self.specular.transmittance(wi.dot(h));
             let bsdf = self.diffuse * (passes * density as f32);
             add(Part::Diffuse, beneath, Response { bsdf, density });
         }
@@ -350,6 +369,7 @@ impl Layers {
         };
         let Some(wo) = wo else { return absorbed(incidence) };
         let direction = self.frame.world(wo);
+        let direction = if self.interface.is_none() { self.frame.image_above(direction) } else { direction };
         let Response { bsdf, density } = self.evaluate(direction);
         if density <= 0.0 {
             return absorbed(incidence);

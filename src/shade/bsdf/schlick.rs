@@ -118,6 +118,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_passes_on_the_way_to_a_lambertian_is_the_mean_over_half_vectors() {
+        let (fresnel, nodes) = (Schlick { f0: Vec3::splat(0.04), f90: 1.0 }, gauss_legendre(200));
+        for mu in [0.0, 0.1, 0.3, 0.5, 0.8, 1.0f64] {
+            let wi = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
+            let mut sum = 0.0;
+            for (x, weight) in &nodes {
+                for (y, weight_y) in &nodes {
+                    let (square, (sin, cos)) = (0.5 + 0.5 * x, libm::sincos(std::f64::consts::PI * y));
+                    let across = square.sqrt();
+                    let wo = DVec3::new(across * cos, across * sin, (1.0 - square).sqrt());
+                    let passes = 1.0 - fresnel.at(wi.dot((wi + wo).normalize())).x;
+                    sum += 0.25 * weight * weight_y * f64::from(passes);
+                }
+            }
+            let passes = f64::from(fresnel.passes(mu));
+            assert!((passes - sum).abs() < 1e-4, "{mu}: {passes} {sum}");
+        }
+    }
+
+    #[test]
     fn the_albedo_of_microfacets_is_that_of_fine_quadrature_at_every_angle_and_roughness() {
         const FINE: usize = 2000;
         let mut worst = [0.0f64; 2];

@@ -92,11 +92,11 @@ impl Specular {
         self.film.map_or(bare, |film| bare.lerp(film.at(cos, fresnel.f0), film.factor))
     }
 
-    /// BRDF × cosine and density; none of a mirror.
+    /// BRDF × cosine and density, `h` halfway between both directions; none of a mirror.
     #[inline(always)]
-    pub fn evaluate(&self, wi: DVec3, wo: DVec3) -> Response {
+    pub fn evaluate(&self, wi: DVec3, wo: DVec3, h: DVec3) -> Response {
         let Some(ggx) = self.ggx else { return Response::default() };
-        let (cos, density, whole) = ggx.reflection(wi, wo);
-        Response { bsdf: self.reflectance(cos) * whole as f32, density }
+        let [density, whole] = ggx.reflection(wi, wo, h);
+        Response { bsdf: self.reflectance(wi.dot(h)) * whole as f32, density }
     }
 }

@@ -46,3 +46,16 @@ fn beside_a_hole_the_way_through_glass_is_longer() {
     let expected = libm::pow(0.1, length / 1.6);
     assert!((radiance / expected - 1.0).abs() < 1e-4, "{radiance}, exactly {expected}");
 }
+
+#[test]
+fn on_the_axis_of_a_spinning_hole_the_way_through_glass_is_stretched_by_the_potential() {
+    // From r = 7 to 5: dl = dr/√(1 − F) with F = 2Mr/(r² + a²).
+    let (mass, spin, steps) = (0.5, 0.45, 20_000);
+    let middles = (0..steps).map(|i| 5.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(steps));
+    let stretched = |r: f64| 1.0 / (1.0 - 2.0 * mass * r / (r * r + spin * spin)).sqrt();
+    let length = middles.map(stretched).sum::<f64>() * 2.0 / f64::from(steps);
+    let kerr = "[spacetime]\nkind = \"kerr\"\nschwarzschild_radius = 1\nspin = 0.9\naxis = [1, 0, 0]\n";
+    let radiance = radiance_through_ball(kerr, "", 1.6);
+    let expected = libm::pow(0.1, length / 1.6);
+    assert!((radiance / expected - 1.0).abs() < 1e-4, "{radiance}, exactly {expected}");
+}

@@ -206,7 +206,13 @@ fn document(uri: Option<&str>) -> Value {
               "alphaMode": "MASK", "alphaCutoff": 0.2,
               "pbrMetallicRoughness": { "baseColorTexture": { "index": 0, "texCoord": 0 }, "metallicFactor": 0, "roughnessFactor": 0.9 },
               "emissiveFactor": [1, 1, 1], "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 5 } } },
-            { "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 } },
+            { "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 },
+                              "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.2] },
+                              "KHR_materials_specular": { "specularFactor": 0.5, "specularColorFactor": [1, 0.5, 0.2] },
+                              "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.2 },
+                              "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.2, 0.1], "sheenRoughnessFactor": 0.4 },
+                              "KHR_materials_iridescence": { "iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessMaximum": 300 },
+                              "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 1 } },
               "pbrMetallicRoughness": { "roughnessFactor": 0, "baseColorFactor": [1, 0.5, 1, 1] } },
         ],
         "textures": [{ "source": 0, "sampler": 0 }, { "source": 0 }],
@@ -324,6 +330,25 @@ albedo = [0.6, 0.6, 0.55]
 name = "glass"
 kind = "dielectric"
 ior = 1.5
+attenuation_color = [0.9, 0.5, 0.1]
+attenuation_distance = 2
+[[material]]
+name = "lacquer"
+kind = "principled"
+albedo = [0.6, 0.1, 0.1]
+metallic = 0.2
+roughness = 0.4
+specular = 0.5
+specular_color = [1, 0.5, 0.2]
+transmission = 0.5
+thin = true
+clearcoat = 1
+clearcoat_roughness = 0.1
+sheen_color = [0.2, 0.3, 0.4]
+sheen_roughness = 0.3
+iridescence = 0.5
+iridescence_ior = 1.4
+iridescence_thickness = 350
 [[material]]
 name = "lamp"
 emission = 10
