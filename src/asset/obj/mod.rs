@@ -177,21 +177,27 @@ impl ObjImport {
         indices: &[u32],
         name: &str,
     ) -> Mesh {
-        let mut is_complete = |count: usize, what: &str| {
+        let mut is_complete = |count: usize, lacking: &str| {
             if count != 0 && count != positions.len() {
-                self.survey.notes.add(format!("{what} on some faces only, so left out"), name);
+                self.survey.notes.add(lacking, name);
             }
             count == positions.len()
         };
         Mesh {
             positions: positions.to_vec(),
-            normals: if is_complete(normals.len(), "normals") { normals.to_vec() } else { Vec::new() },
-            triangles: indices.as_chunks().0.to_vec(),
-            attributes: of_one_set(if is_complete(uvs.len(), "texture coordinates") {
-                uvs
+            normals: if is_complete(normals.len(), "normals on some faces only, so shaded flat") {
+                normals.to_vec()
             } else {
                 Vec::new()
-            }),
+            },
+            triangles: indices.as_chunks().0.to_vec(),
+            attributes: of_one_set(
+                if is_complete(uvs.len(), "texture coordinates on some faces only, so left out") {
+                    uvs
+                } else {
+                    Vec::new()
+                },
+            ),
         }
     }
 

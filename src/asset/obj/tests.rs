@@ -115,7 +115,10 @@ fn what_is_left_out_is_said() {
             "weights of vertices by which they cannot be divided are left out, in line: 6",
         ),
         ("vn -1.#IND 0 1\n", "normals that are not three finite numbers are replaced, in line: 6"),
-        ("f 1/1 2/-1 3/0\n", "texture coordinates that the file does not have are left out, in line: 6"),
+        (
+            "f 1/1 2/-1 3/0\n",
+            "without texture coordinates, since some are named that the file does not have, in line: 6",
+        ),
     ] {
         let model = load_text(&format!("{SQUARE}f 1 2 3 4\n{tail}"), "").unwrap();
         assert_eq!(model.warnings[0], format!("a.obj: {said}"), "{tail}");

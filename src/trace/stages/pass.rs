@@ -20,7 +20,7 @@ pub fn opacity(scene: &Baked, landing: &Landing) -> f32 {
 }
 
 /// True if a ray of a path passes through the surface that it lands on.
-#[inline]
+#[inline(always)]
 pub fn passes(job: &Job, path: &mut Path, landing: &Landing) -> bool {
     job.has_passages && passes_here(job, path, landing)
 }
