@@ -70,7 +70,7 @@ pub struct GgxAlbedo {
 
 /// Quadrature nodes by radius and, for half of a turn, by azimuth.
 const RADIAL: usize = 96;
-const AZIMUTHAL: usize = 20;
+const AZIMUTHAL: usize = 14;
 
 static GGX: LazyLock<AlbedoTable<2>> = LazyLock::new(|| {
     let unit = |(x, weight): &(f64, f64)| (0.5 + 0.5 * x, 0.5 * weight);

@@ -17,8 +17,9 @@ use crate::shade::incidence::Response;
 
 /// Least roughness: below it, fibres shine at angles of less than a degree only.
 const SMOOTHEST: f64 = 0.1;
-/// Quadrature nodes by cosine and by azimuth.
-const NODES: usize = 32;
+/// Quadrature nodes by cosine and, for half of a turn, by azimuth.
+const POLAR: usize = 32;
+const AZIMUTHAL: usize = 16;
 
 /// Sheen above a base, for light from one direction; vectors are in a local frame.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +52,8 @@ impl Sheen {
     #[inline(always)]
     pub fn evaluate(&self, wi: DVec3, wo: DVec3) -> (Response, f64) {
         let most = self.albedo.max(albedo(wo.z, self.roughness));
-        let brdf = self.fibres.brdf_cos(wi, wo) / most.max(1.0);
+        let lambdas = [wi.z, wo.z].map(|cos| self.fibres.lambda(cos));
+        let brdf = self.fibres.brdf_cos(wi, wo, lambdas) / most.max(1.0);
         (Response { bsdf: self.color * brdf as f32, density: 1.0 / TAU }, self.leaves(most))
     }
 
@@ -71,17 +73,20 @@ fn albedo(mu: f64, roughness: f64) -> f64 {
 }
 
 static ALBEDO: LazyLock<AlbedoTable<1>> = LazyLock::new(|| {
-    let nodes: Vec<_> = gauss_legendre(NODES).into_iter().map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w)).collect();
+    let unit = |(x, weight)| (0.5 + 0.5 * x, 0.5 * weight);
+    let [polar, azimuthal] = [POLAR, AZIMUTHAL]
+        .map(|count| gauss_legendre(count).into_iter().map(unit).collect::<Vec<(f64, f64)>>());
+    let azimuths: Vec<_> =
+        azimuthal.into_iter().map(|(azimuth, weight)| (libm::sincos(PI * azimuth), weight)).collect();
     AlbedoTable::new(|mu, above| {
         let (mu, fibres) = (mu.max(1e-4), Fibres::new(SMOOTHEST + above * (1.0 - SMOOTHEST)));
         let wi = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
-        let mut sum = 0.0;
-        for (z, weight_z) in &nodes {
-            for (azimuth, weight) in &nodes {
-                let (sin, cos) = libm::sincos(PI * azimuth);
-                let across = (1.0 - z * z).sqrt();
+        let (masked, mut sum) = (fibres.lambda(mu), 0.0);
+        for (z, weight_z) in &polar {
+            let (across, shadowed) = ((1.0 - z * z).sqrt(), fibres.lambda(*z));
+            for ((sin, cos), weight) in &azimuths {
                 let wo = DVec3::new(across * cos, across * sin, *z);
-                sum += TAU * weight_z * weight * fibres.brdf_cos(wi, wo);
+                sum += TAU * weight_z * weight * fibres.brdf_cos(wi, wo, [masked, shadowed]);
             }
         }
         [sum]
@@ -110,13 +115,13 @@ impl Fibres {
         Self { exponent: 1.0 / alpha, fit, half: curve(&fit, 0.5) }
     }
 
-    /// D V cos of the way out.
+    /// D V cos of the way out, with Λ of both directions.
     #[inline(always)]
-    fn brdf_cos(&self, wi: DVec3, wo: DVec3) -> f64 {
+    fn brdf_cos(&self, wi: DVec3, wo: DVec3, [masked, shadowed]: [f64; 2]) -> f64 {
         let h = (wi + wo).normalize();
         let sin = (h.x * h.x + h.y * h.y).sqrt();
         let normals = (2.0 + self.exponent) * libm::pow(sin, self.exponent) / TAU;
-        normals / ((1.0 + self.lambda(wi.z) + self.lambda(wo.z)) * 4.0 * wi.z)
+        normals / ((1.0 + masked + shadowed) * 4.0 * wi.z)
     }
 
     #[inline(always)]
