@@ -33,6 +33,7 @@ mod geometry {
 mod light {
     mod chi_square;
     mod emitter_furnaces;
+    mod field_flux;
     mod field_lights;
     mod furnace;
     mod irradiance;
