@@ -3,7 +3,8 @@
 //!
 //! A region is the ellipse that the derivatives of a connection make of a light's extent. Regions are a function of the
 //! receiver and the light alone, so that a ray found by BSDF sampling has the density with which it could have been drawn;
-//! what they miss is left to BSDF sampling, as is the sky. Of lights that are points, what no connection finds is missed.
+//! what they miss is left to BSDF sampling, as is the sky. Of lights that are points, rays to which no guess leads are found
+//! by chance.
 
 use glam::DVec3;
 
@@ -81,22 +82,29 @@ impl<F: IndexField> FieldRegions<F> {
         Self { aim: FieldAim::new(field, max_winding), fine, rough }
     }
 
-    /// A ray to a light that is a point, from a number in [0, 1), and the probability of its way.
+    /// A ray to a light that is a point, from a number in [0, 1), and the probability with which it is found.
     fn link(&self, x: DVec3, target: FieldTarget, u: f64) -> Option<(Link, f64)> {
         let enough = match target {
             FieldTarget::Place(y) => ENOUGH * x.distance(y),
             FieldTarget::Infinity(_) => ENOUGH,
         };
-        let sum: f64 = self.aim.ways(x, target).map(|(_, weight)| weight).sum();
-        let mut left = u * sum;
-        let (way, weight) = self.aim.ways(x, target).find(|(_, weight)| {
-            left -= weight;
-            left < 0.0
-        })?;
-        let ray = self.aim.image(&self.fine, (x, target), way, enough)?;
+        let (aim, ends) = (&self.aim, (x, target));
+        let by_chance = aim.chance(x, target);
+        let sum = by_chance + aim.ways(x, target).map(|(_, weight)| weight).sum::<f64>();
+        let mut left = u * sum - by_chance;
+        let (ray, pmf) = if left < 0.0 {
+            let (ray, draws) = aim.image_by_chance(&self.fine, ends, seed(x, u), enough)?;
+            (ray, by_chance / (sum * draws))
+        } else {
+            let (way, weight) = aim.ways(x, target).find(|(_, weight)| {
+                left -= weight;
+                left < 0.0
+            })?;
+            (aim.image(&self.fine, ends, way, enough)?, weight / sum)
+        };
         let link =
             Link { direction: ray.direction, arrival: ray.arrival, geometry_factor: ray.geometry_factor() };
-        Some((link, weight / sum))
+        Some((link, pmf))
     }
 
     /// The view that a receiver has of an emitter; `None` if that is too close, or not found.
@@ -138,6 +146,14 @@ impl<F: IndexField> FieldRegions<F> {
         }
         Some(view)
     }
+}
+
+/// Seed of the random numbers of a receiver, from a number that differs between samples.
+fn seed(x: DVec3, u: f64) -> u64 {
+    let mix = |hash: u64, number: f64| {
+        (hash.rotate_left(23) ^ number.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+    };
+    [x.x, x.y, x.z].into_iter().fold(u.to_bits(), mix)
 }
 
 impl<F: IndexField> FieldView<'_, F> {

@@ -30,14 +30,13 @@ pub(super) fn of_holes(
 /// Warning of what is not seen of punctual lights in a spacetime.
 pub(super) fn of_aim(spacetime: &SpacetimeKind) -> Option<&'static str> {
     match spacetime {
-        SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. } => None,
+        SpacetimeKind::Flat
+        | SpacetimeKind::Spherical { .. }
+        | SpacetimeKind::Wormhole { .. }
+        | SpacetimeKind::Indexed(_) => None,
         SpacetimeKind::Spinning { .. } => Some(
             "punctual lights are seen along rays that go the near way and around the hole once; some of those that go \
              around may be missed: surfaces that emit miss nothing",
-        ),
-        SpacetimeKind::Indexed(_) => Some(
-            "punctual lights are seen along the near way and around each hole alone: where there are more images, a part \
-             of their light may be missing; surfaces that emit miss nothing",
         ),
     }
 }

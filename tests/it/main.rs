@@ -34,6 +34,7 @@ mod light {
     mod absorption;
     mod chi_square;
     mod emitter_furnaces;
+    mod field_flux;
     mod field_lights;
     mod furnace;
     mod irradiance;

@@ -50,11 +50,16 @@ pub struct JoinLimits {
     pub corrections: u32,
 }
 
-/// Angle between a ray and those beside it, radians, at least and at most: small for the sake of rays that diverge fast,
-/// larger where the target is so near, relative to its distance from the origin, that rounding would show.
-const BESIDE: [f64; 2] = [1e-7, 1e-5];
+/// Angle between a ray and those beside it, radians, at least and at most.
+const BESIDE: [f64; 2] = [1e-11, 1e-5];
+/// That angle of the first ray, at least: larger where the target is so near, relative to its distance from the origin, that
+/// rounding would show.
+const FIRST_BESIDE: f64 = 1e-7;
 /// That angle over the distance from the origin, relative to that of the target from the start.
 const ROUNDING: f64 = 1e-9;
+/// Distance of rays beside each other at the target, relative to that of the target, or radians: so small that their
+/// derivatives hardly change, so large that rounding hardly shows.
+const APART: f64 = 1e-5;
 /// Rays that stand for one and its derivatives.
 const RAYS: usize = 4;
 /// 1 − β·Y where rays beside each other count as at infinity: their directions are off by its square.
@@ -94,7 +99,11 @@ pub fn join_in_field(
     limits: JoinLimits,
 ) -> Option<FieldConnection> {
     // A ray that winds passes its target several times: of the guess, the nearest passage counts, then the same one.
-    let mut here = shoot(field, control, (x, guess), target, None)?;
+    let first = match target {
+        FieldTarget::Place(y) => ROUNDING * x.length().max(y.length()) / x.distance(y),
+        FieldTarget::Infinity(_) => 0.0,
+    };
+    let mut here = shoot(field, control, (x, guess), target, (None, first.clamp(FIRST_BESIDE, BESIDE[1])))?;
     for left in (0..=limits.corrections).rev() {
         if here.connection.miss <= limits.enough {
             return Some(here.connection);
@@ -111,7 +120,7 @@ pub fn join_in_field(
         here = (0..=MOST_HALVINGS).find_map(|_| {
             let direction = (here.connection.direction + part * correction).normalize();
             part *= 0.5;
-            let there = shoot(field, control, (x, direction), target, Some(here.passage))?;
+            let there = shoot(field, control, (x, direction), target, (Some(here.passage), here.beside))?;
             (there.connection.miss < here.connection.miss).then_some(there)
         })?;
     }
@@ -125,22 +134,19 @@ struct FieldShot {
     passage: u32,
     /// Change of its direction that would let it hit, to first order.
     correction: DVec3,
+    /// Angle to rays beside it that are well [`APART`] at the target.
+    beside: f64,
 }
 
-/// Shoots a ray in a unit direction; `None` if it ends before, or does not get near.
+/// Shoots a ray in a unit direction, with others beside it at an `angle`; `None` if it ends before, or does not get near.
 fn shoot(
     field: &impl IndexField,
     control: &FieldControl,
     (x, direction): (DVec3, DVec3),
     target: FieldTarget,
-    passage: Option<u32>,
+    (passage, angle): (Option<u32>, f64),
 ) -> Option<FieldShot> {
     let (u, v) = tangents(direction);
-    let angle = match target {
-        FieldTarget::Place(y) => ROUNDING * x.length().max(y.length()) / x.distance(y),
-        FieldTarget::Infinity(_) => 0.0,
-    };
-    let angle = angle.clamp(BESIDE[0], BESIDE[1]);
     let mut starts = [[0.0; RAYS]; 3];
     let mut directions = [[0.0; RAYS]; 3];
     for (l, beside) in [u, -u, v, -v].into_iter().enumerate() {
@@ -158,7 +164,8 @@ fn shoot(
     let (a, b) = tangents(arrival);
     let along = |offset: DVec3| DVec2::new(a.dot(offset), b.dot(offset));
     let rate = |l: usize| along(off(l) - off(l + 1)) / (2.0 * angle);
-    let inverse = DMat2::from_cols(rate(0), rate(2)).inverse();
+    let rates = DMat2::from_cols(rate(0), rate(2));
+    let inverse = rates.inverse();
     let turn = |shift: DVec2| {
         let turn = inverse * shift;
         turn.x * u + turn.y * v
@@ -171,10 +178,17 @@ fn shoot(
     let connection =
         FieldConnection { direction, arrival, across: [a, b], turns: [turn(DVec2::X), turn(DVec2::Y)], miss };
     let correction = turn(-residual);
+    let whole = match target {
+        FieldTarget::Place(y) => x.distance(y),
+        FieldTarget::Infinity(_) => 1.0,
+    };
+    let rate = rates.x_axis.length().max(rates.y_axis.length());
+    let beside = (APART * whole / rate).clamp(BESIDE[0], BESIDE[1]);
     (connection.miss.is_finite() && correction.is_finite()).then_some(FieldShot {
         connection,
         passage,
         correction,
+        beside,
     })
 }
 
@@ -228,7 +242,7 @@ impl<F: IndexField> pulp::NullaryFnOnce for ShotRays<'_, F> {
             }
             if control.leaves(x, p) {
                 match target {
-                    FieldTarget::Place(y) if (y - x).dot(p) <= 0.0 => break,
+                    FieldTarget::Place(y) if control.is_beyond(x, y) && (y - x).dot(p) <= 0.0 => break,
                     FieldTarget::Place(_) => {}
                     FieldTarget::Infinity(_) => {
                         let there =

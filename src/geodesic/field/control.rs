@@ -139,6 +139,12 @@ impl FieldControl {
         (away.length_squared() >= self.outer * self.outer) & (away.dot(p) > 0.0)
     }
 
+    /// True if `x` is farther out than `y`: a ray that leaves may still go around the holes, but comes no nearer.
+    #[inline(always)]
+    pub(super) fn is_beyond(&self, x: DVec3, y: DVec3) -> bool {
+        x.distance_squared(self.middle) >= y.distance_squared(self.middle)
+    }
+
     /// True if a step between two positions with their momenta keeps outside the geometry: it does not turn in between.
     #[inline(always)]
     pub fn keeps_outside(&self, start: (DVec3, DVec3), end: (DVec3, DVec3)) -> bool {

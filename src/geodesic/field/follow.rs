@@ -57,7 +57,9 @@ pub fn follow_field<F: IndexField, S: Stepper>(
         if let Some(sink) = captures {
             return FieldJourney { end: FieldEnd::Falls(sink), ..journey };
         }
-        if control.leaves(x, lane(&ray.p, 0)) && x.distance(center) > radius && outwards(&ray, center) > 0.0 {
+        if control.leaves(x, lane(&ray.p, 0))
+            && x.distance(control.middle) > radius + center.distance(control.middle)
+        {
             return FieldJourney { end: FieldEnd::Misses, ..journey };
         }
         journey.steps += 1;

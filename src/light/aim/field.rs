@@ -2,14 +2,22 @@
 //!
 //! How many rays join two places is not known beforehand. Newton's method is started from the exact aim of each hole taken
 //! alone (the others as a constant potential), for each winding number, and from the sum of what all holes do to the
-//! straight direction, of which one or none is gone around. What no start leads to is missed: among two to four holes within
-//! some dozen of their radii, 1 % of the light.
+//! straight direction, of which one or none is gone around. Other rays, by which a tenth of the light comes where several
+//! holes share in bending it, are found by chance: Newton's method is started from a direction drawn at random. How likely it
+//! leads to a ray is not known, but how often one draws until it leads to the same ray again is the inverse of that on
+//! average, so that nothing is missed but what no direction leads to.
+//!
+//! Reference: Zeltner, Georgiev, Jakob 2020, "Specular Manifold Sampling", ACM TOG 39(4).
 
+use std::f64::consts::TAU;
 use std::iter;
 
 use glam::DVec3;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
 
 use crate::geodesic::{FieldConnection, FieldControl, FieldTarget, JoinLimits, Lens, Site, join_in_field};
+use crate::math::frame::tangents;
 use crate::spacetime::{ConformallyFlat, IndexField, ReissnerNordstrom, Sink};
 
 /// Rays of a field between a place and a target.
@@ -46,6 +54,16 @@ pub const LEAST_AROUND: f64 = 0.02;
 const REMOTE: f64 = 0.01;
 /// Corrections of a true connection at most.
 const CORRECTIONS: u32 = 10;
+/// Weight of rays found by chance, beside those that go around a hole once, and at most.
+const BY_CHANCE: f64 = 2.0;
+const MOST_BY_CHANCE: f64 = 0.5;
+/// Impact parameters from which rays are looked for by chance, in radii of a hole's shadow.
+const BESIDE: [f64; 2] = [0.75, 6.0];
+/// Solid angle over the area that it would have in flat space below which a ray found by chance is the less likely to be
+/// looked into.
+const WEAK: f64 = 0.02;
+/// Draws at most: rays less likely than the inverse count for less.
+const MOST_DRAWS: u32 = 200;
 /// Angle between rays that count as one, radians, and relative to that between rays that just pass for connections.
 const SAME: [f64; 2] = [1e-7, 10.0];
 
@@ -76,6 +94,16 @@ impl<F: IndexField> FieldAim<F> {
         let holes = 0..if is_around { self.holes.len() } else { 0 };
         let beside = holes.map(|i| (FieldWay::Beside(i), LEAST_AROUND));
         iter::once((FieldWay::Near, 1.0)).chain(around).chain(beside)
+    }
+
+    /// Weight of rays found by chance, beside the [`ways`](Self::ways); 0 where these are all.
+    pub fn chance(&self, x: DVec3, target: FieldTarget) -> f64 {
+        if self.windings == 0 || self.holes.len() == 1 {
+            return 0.0;
+        }
+        let once = |(way, weight)| if matches!(way, FieldWay::Around(_, 1)) { weight } else { 0.0 };
+        let around: f64 = self.ways(x, target).map(once).sum();
+        if self.holes.is_empty() { MOST_BY_CHANCE } else { (BY_CHANCE * around).min(MOST_BY_CHANCE) }
     }
 
     /// Number of holes.
@@ -143,17 +171,71 @@ impl<F: IndexField> FieldAim<F> {
         (!is_known).then_some(found)
     }
 
-    /// All rays within `limits`, as far as they are found: along the ways, and from as many directions as `others` gives.
+    /// A ray that misses its target by no more than `enough` and that no way leads to, from a direction drawn at random, and
+    /// a number that on average is the inverse of the probability of finding it.
+    pub fn image_by_chance(
+        &self,
+        control: &FieldControl,
+        ends: (DVec3, FieldTarget),
+        seed: u64,
+        enough: f64,
+    ) -> Option<(FieldConnection, f64)> {
+        let limits = JoinLimits { enough, linear: 0.0, corrections: CORRECTIONS };
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut draw = || {
+            let guess = self.any_direction(ends.0, &mut random);
+            join_in_field(&self.field, control, (ends.0, guess), ends.1, limits)
+        };
+        let found = draw()?;
+        let straight = match ends.1 {
+            FieldTarget::Place(y) => ends.0.distance_squared(y),
+            FieldTarget::Infinity(_) => 1.0,
+        };
+        let share = (found.geometry_factor() * straight / WEAK).min(1.0);
+        if Xoshiro256PlusPlus::seed_from_u64(!seed).random::<f64>() >= share {
+            return None;
+        }
+        let is_found =
+            |other: Option<FieldConnection>| other.is_some_and(|other| is_same(&other, &found, enough));
+        if self.ways(ends.0, ends.1).any(|(way, _)| is_found(self.connect(control, ends, way, limits))) {
+            return None;
+        }
+        let again = (1..MOST_DRAWS).find(|_| is_found(draw()));
+        Some((found, f64::from(again.unwrap_or(MOST_DRAWS)) / share))
+    }
+
+    /// A direction drawn at random: past one of the holes, or any if there is none.
+    fn any_direction(&self, x: DVec3, random: &mut Xoshiro256PlusPlus) -> DVec3 {
+        let [choice, u, turns] = [(); 3].map(|()| random.random::<f64>());
+        let (sin, cos) = libm::sincos(TAU * turns);
+        let sinks = self.field.sinks();
+        let chosen = sinks.get((choice * sinks.len() as f64) as usize);
+        if let Some((towards, sink)) = chosen.map(|sink| (sink.center - x, sink)) {
+            let (a, b) = tangents(towards.normalize_or(DVec3::Z));
+            let impact = sink.shadow * BESIDE[0] * libm::pow(BESIDE[1] / BESIDE[0], u);
+            (towards + impact * (cos * a + sin * b)).normalize()
+        } else {
+            let z = 2.0 * u - 1.0;
+            let rho = (1.0 - z * z).sqrt();
+            DVec3::new(rho * cos, rho * sin, z)
+        }
+    }
+
+    /// Directions of all ways, from which to look for rays.
+    pub fn guesses(&self, x: DVec3, target: FieldTarget) -> impl Iterator<Item = DVec3> {
+        self.ways(x, target).filter_map(move |(way, _)| self.guess(x, target, way))
+    }
+
+    /// All rays within `limits` to which any of these directions lead.
     pub fn images(
         &self,
         control: &FieldControl,
         (x, target): (DVec3, FieldTarget),
-        others: impl Iterator<Item = DVec3>,
+        guesses: impl Iterator<Item = DVec3>,
         limits: JoinLimits,
     ) -> Vec<FieldConnection> {
-        let guesses = self.ways(x, target).filter_map(|(way, _)| self.guess(x, target, way));
         let mut images: Vec<FieldConnection> = Vec::new();
-        for guess in guesses.chain(others) {
+        for guess in guesses {
             if let Some(found) = join_in_field(&self.field, control, (x, guess), target, limits)
                 && images.iter().all(|known| !is_same(known, &found, limits.enough))
             {

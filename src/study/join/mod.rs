@@ -8,6 +8,7 @@ mod form;
 mod forms;
 mod lens_cache;
 mod several_holes;
+mod shadow_edge;
 mod spinning;
 
 pub(crate) use form::{JoinForm, Joints, POINTS, PointPair};

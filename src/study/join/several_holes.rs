@@ -10,6 +10,7 @@ use super::super::lengths::Lengths;
 use super::super::table::number_cell;
 use super::form::{JoinForm, Joints, PointPair, X, Y};
 use super::lens_cache::LensCache;
+use super::shadow_edge::beside_shadows;
 use crate::geodesic::{
     Dop853, FieldConnection, FieldControl, FieldEnd, FieldRays, FieldTarget, JoinLimits, alone,
     elapsed_in_field, follow_field,
@@ -58,13 +59,15 @@ struct FieldJoint {
 
 /// Error of directions, radians.
 const TOLERANCE: f64 = 1e-12;
+/// Error of directions of rays that are looked for, and by how much they may miss their point, relative to the distance.
+const ROUGH: f64 = 1e-6;
 /// Distance by which a ray may miss its point, relative to that of the points.
 const ENOUGH: f64 = 1e-12;
 /// Correction of a direction, radians, that is taken without another look: what it leaves is its square.
 const LINEAR: f64 = 1e-10;
 /// Corrections of a direction at most.
 const CORRECTIONS: u32 = 20;
-/// Directions over the sphere from which rays are looked for, beside those that each hole suggests.
+/// Directions over the sphere from which rays are looked for, beside those that holes suggest.
 const DIRECTIONS: u32 = 100;
 /// Radius of the sphere at whose edge a ray is timed, relative to the distance of its points.
 const TIMED: f64 = 1e-5;
@@ -86,12 +89,20 @@ fn join(_: &LensCache, pair: &PointPair, max_winding: u32) -> Result<Joints, Inp
     lengths.check(Input::Both, "the distance between the points", pair.x.distance(pair.y))?;
     pair.check_apart()?;
     let field = SeveralHoles::new(&holes);
-    let control = FieldControl::new(&field, 0.0, TOLERANCE, f64::INFINITY);
-    let enough = ENOUGH * pair.x.distance(pair.y);
-    let limits = JoinLimits { enough, linear: LINEAR, corrections: CORRECTIONS };
-    let ends = (pair.x, FieldTarget::Place(pair.y));
+    let [rough, control] =
+        [ROUGH, TOLERANCE].map(|tolerance| FieldControl::new(&field, 0.0, tolerance, f64::INFINITY));
+    let limits = |part: f64, linear: f64| JoinLimits {
+        enough: part * pair.x.distance(pair.y),
+        linear,
+        corrections: CORRECTIONS,
+    };
+    let (x, target) = (pair.x, FieldTarget::Place(pair.y));
     let aim = FieldAim::new(field.clone(), max_winding);
-    let images = aim.images(&control, ends, (0..DIRECTIONS).map(evenly), limits);
+    let winding = beside_shadows(&field, &rough, x, max_winding);
+    let guesses = aim.guesses(x, target).chain((0..DIRECTIONS).map(evenly)).chain(winding);
+    let images = aim.images(&rough, (x, target), guesses, limits(ROUGH, 0.0));
+    let directions = images.iter().map(|image| image.direction);
+    let images = aim.images(&control, (x, target), directions, limits(ENOUGH, LINEAR));
     let mut found: Vec<FieldJoint> =
         images.iter().filter_map(|image| joint(&field, &control, pair, image)).collect();
     found.sort_by(|one, other| one.time.total_cmp(&other.time));

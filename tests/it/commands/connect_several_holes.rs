@@ -51,10 +51,8 @@ fn the_rays_of_the_exact_table_join_their_ends() {
         }
     }
     println!("{} of {} missed: {missed:?}; directions, times: {worst:?}", missed.len(), escaped.len());
-    let is_plain = |id: &&&str| escaped.iter().any(|row| row.text("id") == **id && row.number("sens") < 30.0);
-    let plain = missed.iter().filter(is_plain).count();
-    // The others wind more than once, or about several holes.
-    assert!(plain <= 1 && missed.len() * 10 <= 3 * escaped.len(), "{plain} of {missed:?}");
+    // They wind about a hole by more than 4π.
+    assert_eq!(missed, ["119", "125", "134", "135"]);
 }
 
 #[test]
@@ -68,9 +66,9 @@ fn the_rays_past_one_hole_are_those_of_a_hole_of_extremal_charge() {
         several += &format!("{mass},{},{},{}\n", cells(center), cells(center + x), cells(center + y));
         one += &format!("{:?},1,{},{}\n", 2.0 * mass, cells(x), cells(y));
     }
-    let several = connected(&several, "several-holes", &["--max-winding", "1"]);
-    let one = connected(&one, "reissner-nordstrom", &["--max-winding", "1"]);
-    assert_eq!(one.len(), 6);
+    let several = connected(&several, "several-holes", &["--max-winding", "2"]);
+    let one = connected(&one, "reissner-nordstrom", &["--max-winding", "2"]);
+    assert_eq!(one.len(), 9);
     for one in one {
         let is_same = |row: &&Row| {
             row.text("pair") == one.text("pair") && (row.number("t") / one.number("t") - 1.0).abs() < 1e-9
