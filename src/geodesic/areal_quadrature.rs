@@ -374,7 +374,7 @@ impl Integrand for Swing<'_> {
 /// Integrals over x from `low`, a `gap` below `high`; δ is the distance of singularities from x = 0.
 fn integral<F: Integrand>(delta: f64, low: f64, high: f64, gap: f64, f: &F) -> [f64; 3] {
     if gap < FEW * delta {
-        return kernel::widest(EvenPanel { middle: 0.5 * (low + high), half: 0.5 * gap, f });
+        return kernel::widest(Sums(Even { middle: 0.5 * (low + high), half: 0.5 * gap, f }));
     }
     let exp_arsinh = |x: f64| {
         let larger = x.abs() + (1.0 + x * x).sqrt();
@@ -388,7 +388,8 @@ fn integral<F: Integrand>(delta: f64, low: f64, high: f64, gap: f64, f: &F) -> [
     for panel in 0..panels as usize {
         let from_middle = (2 * panel + 1) as f64 - panels;
         let middle = if from_middle == 0.0 { middle } else { middle * libm::exp(from_middle * half) };
-        let part = kernel::widest(Panel { delta, middle, half, f });
+        let middle = [middle, 1.0 / middle];
+        let part = kernel::widest(Sums(Stretched { delta, middle, half, f }));
         for i in 0..3 {
             sums[i] += part[i];
         }
@@ -396,62 +397,66 @@ fn integral<F: Integrand>(delta: f64, low: f64, high: f64, gap: f64, f: &F) -> [
     sums
 }
 
-/// Panel of an integral over x, as singularities are far away.
-struct EvenPanel<'a, F> {
+/// Panel of integrals, as ones over [−1, 1].
+trait Panel {
+    /// Integrands at a node, and the factor that they have in common.
+    fn at(&self, node: f64) -> ([f64; 3], f64);
+}
+
+/// Panel over x, as singularities are far away.
+struct Even<'a, F> {
     middle: f64,
     /// Half its length.
     half: f64,
     f: &'a F,
 }
 
-impl<F: Integrand> pulp::NullaryFnOnce for EvenPanel<'_, F> {
-    type Output = [f64; 3];
-
+impl<F: Integrand> Panel for Even<'_, F> {
     #[inline(always)]
-    fn call(self) -> [f64; 3] {
-        let Self { middle, half, f } = self;
-        sum_over_nodes(half, |node| (f.at(middle + half * node), 1.0))
+    fn at(&self, node: f64) -> ([f64; 3], f64) {
+        (self.f.at(self.middle + self.half * node), self.half)
     }
 }
 
-/// Panel of an integral over v, x = δ sinh v.
-struct Panel<'a, F> {
+/// Panel over v, x = δ sinh v.
+struct Stretched<'a, F> {
     delta: f64,
-    /// exp v in its middle.
-    middle: f64,
+    /// exp v in its middle, and exp −v.
+    middle: [f64; 2],
     /// Half its length.
     half: f64,
     f: &'a F,
 }
 
-impl<F: Integrand> pulp::NullaryFnOnce for Panel<'_, F> {
+impl<F: Integrand> Panel for Stretched<'_, F> {
+    #[inline(always)]
+    fn at(&self, node: f64) -> ([f64; 3], f64) {
+        let Self { delta, middle, half, f } = self;
+        let [up, down] = exp_both(half * node);
+        let (grown, shrunk) = (middle[0] * up, middle[1] * down);
+        (f.at(0.5 * delta * (grown - shrunk)), 0.5 * delta * half * (grown + shrunk))
+    }
+}
+
+/// Sums over the nodes of a panel.
+struct Sums<P>(P);
+
+impl<P: Panel> pulp::NullaryFnOnce for Sums<P> {
     type Output = [f64; 3];
 
     #[inline(always)]
     fn call(self) -> [f64; 3] {
-        let Self { delta, middle, half, f } = self;
-        let inverse = 1.0 / middle;
-        sum_over_nodes(0.5 * delta * half, |node| {
-            let [up, down] = exp_both(half * node);
-            let (grown, shrunk) = (middle * up, inverse * down);
-            (f.at(0.5 * delta * (grown - shrunk)), grown + shrunk)
-        })
-    }
-}
-
-/// Sums over the nodes of [−1, 1] of functions with a common factor, and with the factor `per_node`.
-#[inline(always)]
-fn sum_over_nodes(per_node: f64, at: impl Fn(f64) -> ([f64; 3], f64)) -> [f64; 3] {
-    let [nodes, weights] = &*RULE;
-    let mut parts = [[0.0; NODES]; 3];
-    for lane in 0..NODES {
-        let (values, factor) = at(nodes[lane]);
-        let weight = weights[lane] * factor;
-        for i in 0..3 {
-            parts[i][lane] = weight * values[i];
+        let [nodes, weights] = &*RULE;
+        let mut parts = [[0.0; NODES]; 3];
+        for lane in 0..NODES {
+            let (values, factor) = self.0.at(nodes[lane]);
+            let weight = weights[lane] * factor;
+            for i in 0..3 {
+                parts[i][lane] = weight * values[i];
+            }
         }
+        parts.map(tree_sum)
     }
-    parts.map(|part| per_node * tree_sum(part))
 }
 
 /// exp x and exp −x, of |x| ≤ 1.
