@@ -11,7 +11,7 @@ use glam::DVec3;
 use warpfront::geodesic::{Control, Launch, Phase, Rkn6, Step, Stepper, fit_arc, rk4_paper as paper_step};
 use warpfront::math::columns::Columns;
 use warpfront::scene::StepperKind;
-use warpfront::spacetime::{ConformallyFlat, Schwarzschild};
+use warpfront::spacetime::{Chart, ConformallyFlat, Schwarzschild};
 use warpfront::trace::curved::march::march;
 use warpfront::trace::curved::{CurvedFlight, CurvedMove, Lane};
 
@@ -21,6 +21,9 @@ const WAVE: usize = 1024;
 fn main() {
     divan::main();
 }
+
+/// Chart without geometry.
+const NOWHERE: Chart = Chart { outer: 0.0, inner: f64::INFINITY, widest: f64::INFINITY };
 
 /// Fate and sky do not matter here: rays as the stage gets them, each before its first step.
 fn flights<R: Lane>(order: u32) -> Vec<CurvedFlight<R>> {
@@ -40,7 +43,7 @@ fn flights<R: Lane>(order: u32) -> Vec<CurvedFlight<R>> {
 fn advance<R: Lane>(bencher: Bencher, stepper: StepperKind) {
     let medium = Schwarzschild::new(HOLE);
     let control = Control::<R>::new(&medium, TOLERANCES.0, TOLERANCES.1);
-    let march = march(medium, (stepper, TOLERANCES.0), control, R::of(0.0)).expect("a stepper of orbits");
+    let march = march(medium, (stepper, TOLERANCES.0), control, NOWHERE).expect("a stepper of orbits");
     let rays = flights::<R>(march.order());
     let waves: Vec<Columns<CurvedFlight<R>>> = (rays.chunks(WAVE))
         .map(|rays| {

@@ -314,7 +314,8 @@ pub(super) struct TraceArgs {
     /// Preset of --stepper and --tolerance
     #[arg(long, value_enum, value_name = "PRESET", default_value = "reference")]
     quality: Quality,
-    /// Stepper that advances rays through curved space [default: the preset's]
+    /// Stepper that advances rays through curved space [default: quadrature around a hole that does not spin, series
+    /// around one that does, else the preset's]
     #[arg(long, value_enum, value_name = "NAME")]
     stepper: Option<StepperKind>,
     /// Numbers that orbits are followed in

@@ -1,17 +1,17 @@
 //! `warpfront connect`.
 
 use std::collections::HashMap;
-use std::io::Write;
 
 use csv::ByteRecord;
 use glam::DVec3;
 
 use super::args::ConnectArgs;
 use super::completion::Completion;
+use super::csv_text::CsvText;
 use super::failure::Failure;
 use super::rays_table::Parameters;
 use super::rowwise::{RowWise, Setup};
-use super::table::{TableHeader, line};
+use super::table::{TableHeader, cell, line};
 use super::units::{decimal, plural};
 use crate::spacetime::Entry;
 use crate::study::join::{JoinForm, Joints, LensCache, POINTS, PointPair};
@@ -29,9 +29,8 @@ pub(super) fn run(args: &ConnectArgs) -> Result<Completion, Failure> {
     setup.run(|header| ConnectJob::new(header, args.spacetime, args.max_winding))
 }
 
-/// A pair, and the row in which it came.
+/// A pair of points and its label.
 struct Task {
-    row: ByteRecord,
     label: Vec<u8>,
     pair: PointPair,
 }
@@ -107,7 +106,7 @@ impl ConnectJob {
 
 impl RowWise for ConnectJob {
     type Task = Task;
-    type Answer = Joints;
+    type Counts = ConnectionCounts;
 
     fn settings(&self) -> String {
         format!("connect --spacetime {} --max-winding {}", self.spacetime.name(), self.max_winding)
@@ -118,46 +117,55 @@ impl RowWise for ConnectJob {
         ["pair", "kind"].into_iter().chain(inputs).chain(self.form.results.iter().copied()).collect()
     }
 
-    fn read(&mut self, row: ByteRecord) -> Result<Option<Task>, Failure> {
+    fn read(&mut self, row: &ByteRecord) -> Result<Option<Task>, Failure> {
         self.rows += 1;
         let mut points = [0.0; POINTS.len()];
         for (number, &(name, place)) in points.iter_mut().zip(&self.points) {
-            *number = self.header.number(&row, name, place)?;
+            *number = self.header.number(row, name, place)?;
         }
         let [x, y] = [0, 3].map(|first| DVec3::from_slice(&points[first..first + 3]));
-        let optional = self.optional.iter().map(|&(name, place)| self.header.maybe(&row, name, place));
+        let optional = self.optional.iter().map(|&(name, place)| self.header.maybe(row, name, place));
         let optional = optional.collect::<Result<_, Failure>>()?;
-        let pair = PointPair { spacetime: self.spacetime.of(&self.header, &row)?, x, y, optional };
+        let pair = PointPair { spacetime: self.spacetime.of(&self.header, row)?, x, y, optional };
         let label = match self.pair {
             Some(place) => {
-                let label = row.get(place).unwrap_or_default();
-                if self.is_known(label, line(&row), &pair)? {
+                let label = cell(row, place);
+                if self.is_known(label, line(row), &pair)? {
                     return Ok(None);
                 }
                 label.to_owned()
             }
             None => self.rows.to_string().into_bytes(),
         };
-        Ok(Some(Task { row, label, pair }))
+        Ok(Some(Task { label, pair }))
     }
 
-    fn answer(&self, task: &Task) -> Result<Joints, Failure> {
-        let joined = (self.form.join)(&self.lenses, &task.pair, self.max_winding);
-        joined.map_err(|error| self.header.refuse(line(&task.row), &error))
-    }
-
-    fn write(&mut self, task: &Task, joints: &Joints, out: &mut csv::Writer<impl Write>) -> csv::Result<()> {
-        let text = |place: usize| task.row.get(place).unwrap_or_default();
-        for results in &joints.found {
-            out.write_field(&task.label)?;
-            out.write_field(self.kind.map_or(&b""[..], text))?;
-            self.inputs().try_for_each(|(_, place)| out.write_field(text(place)))?;
-            out.write_record(results)?;
+    fn answer(
+        &self,
+        row: &ByteRecord,
+        Task { label, pair }: &Task,
+        out: &mut CsvText,
+        counts: &mut ConnectionCounts,
+    ) -> Result<(), Failure> {
+        let Joints { found, hidden } = (self.form.join)(&self.lenses, pair, self.max_winding)
+            .map_err(|error| self.header.refuse(line(row), &error))?;
+        for results in &found {
+            out.text(label);
+            out.text(self.kind.map_or(&b""[..], |place| cell(row, place)));
+            self.inputs().for_each(|(_, place)| out.text(cell(row, place)));
+            results.iter().for_each(|result| out.text(result.as_bytes()));
+            out.end_row();
         }
-        self.counts.pairs += 1;
-        self.counts.connections += joints.found.len();
-        self.counts.hidden += joints.hidden;
+        counts.pairs += 1;
+        counts.connections += found.len();
+        counts.hidden += hidden;
         Ok(())
+    }
+
+    fn count(&mut self, ConnectionCounts { pairs, connections, hidden }: ConnectionCounts) {
+        self.counts.pairs += pairs;
+        self.counts.connections += connections;
+        self.counts.hidden += hidden;
     }
 
     fn summary(&self, seconds: f64) -> String {

@@ -9,6 +9,7 @@ mod compare;
 mod completion;
 mod connect;
 mod cost;
+mod csv_text;
 mod failure;
 mod help;
 mod info;

@@ -15,7 +15,7 @@ use super::prefixed::StudyFiles;
 use super::progress::Meter;
 use super::rays_table::RayColumns;
 use super::shared_args::distinct;
-use super::table::{InputTable, line};
+use super::table::{InputTable, cell, line};
 use super::units::plural;
 use crate::study::free::{FreeRayEnd, SphereCrossing, TableForm};
 use crate::study::table_rays::{Case, Exact, TableRays};
@@ -89,7 +89,7 @@ fn given(
     (names, places): (Ends, [usize; 8]),
     row: &ByteRecord,
 ) -> Result<Exact, Failure> {
-    let text = String::from_utf8_lossy(row.get(places[0]).unwrap_or_default());
+    let text = String::from_utf8_lossy(cell(row, places[0]));
     let status = FreeRayEnd::ALL.into_iter().find(|status| status.name() == text && !status.is_lost());
     let status = status.ok_or_else(|| {
         columns

@@ -5,7 +5,7 @@ use csv::ByteRecord;
 use glam::DVec3;
 
 use super::failure::Failure;
-use super::table::TableHeader;
+use super::table::{TableHeader, cell};
 use crate::spacetime::{Entry, LISTED, Listed, Parameter, SPACETIMES, SpacetimeKind};
 use crate::study::free::{Cells, TableForm};
 
@@ -120,7 +120,7 @@ impl RayColumns {
 
     /// The cells that are copied.
     pub(super) fn inputs<'a>(&self, row: &'a ByteRecord) -> impl Iterator<Item = &'a [u8]> {
-        self.all.iter().map(|&(_, place)| row.get(place).unwrap_or_default())
+        self.all.iter().map(|&(_, place)| cell(row, place))
     }
 
     /// The ray of a row.

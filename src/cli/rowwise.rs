@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::completion::Completion;
+use super::csv_text::CsvText;
 use super::failure::Failure;
 use super::interrupt::Interrupt;
 use super::outputs::same_file;
@@ -16,14 +17,16 @@ use super::progress::{Meter, Show};
 use super::say::say;
 use super::table::{InputTable, TableHeader};
 use crate::film::atomic::Output;
-use crate::study::table::io_error;
+
+/// Rows that a thread takes at once.
+const GRAIN: usize = 64;
 
 /// Work of a command on the rows of a table.
 pub(super) trait RowWise: Sync {
     /// Task read from a row.
     type Task: Sync;
-    /// Answer to a task.
-    type Answer: Send;
+    /// Counts of answers.
+    type Counts: Default + Send;
 
     /// Settings, which follow the program's name in the comment above the results.
     fn settings(&self) -> String;
@@ -32,18 +35,19 @@ pub(super) trait RowWise: Sync {
     fn names(&self) -> Vec<&'static str>;
 
     /// Reads a row; none if there is nothing to be done about it.
-    fn read(&mut self, row: ByteRecord) -> Result<Option<Self::Task>, Failure>;
+    fn read(&mut self, row: &ByteRecord) -> Result<Option<Self::Task>, Failure>;
 
-    /// Works on a row, on any thread.
-    fn answer(&self, task: &Self::Task) -> Result<Self::Answer, Failure>;
-
-    /// Writes the rows that answer a row.
-    fn write(
-        &mut self,
+    /// Works on a row, on any thread, and adds the rows that answer it.
+    fn answer(
+        &self,
+        row: &ByteRecord,
         task: &Self::Task,
-        answer: &Self::Answer,
-        out: &mut csv::Writer<impl Write>,
-    ) -> csv::Result<()>;
+        out: &mut CsvText,
+        counts: &mut Self::Counts,
+    ) -> Result<(), Failure>;
+
+    /// Adds counts to those so far.
+    fn count(&mut self, counts: Self::Counts);
 
     /// Summary of what was done in so many seconds, on one line.
     fn summary(&self, seconds: f64) -> String;
@@ -132,33 +136,46 @@ fn chunks(
     meter: &Meter,
 ) -> io::Result<Result<(), Failure>> {
     writeln!(out, "# warpfront {} {}", env!("CARGO_PKG_VERSION"), job.settings())?;
-    let mut writer = csv::Writer::from_writer(out);
-    writer.write_record(job.names()).map_err(io_error)?;
+    let mut names = CsvText::default();
+    job.names().iter().for_each(|name| names.text(name.as_bytes()));
+    names.end_row();
+    out.write_all(names.bytes())?;
     loop {
         let rows = match table.chunk() {
-            Ok(rows) if rows.is_empty() => break,
+            Ok([]) => break,
             Ok(rows) => rows,
             Err(failure) => return Ok(Err(failure)),
         };
         let tasks: Result<Vec<_>, Failure> =
-            rows.into_iter().filter_map(|row| job.read(row).transpose()).collect();
+            rows.iter().filter_map(|row| Some(job.read(row).transpose()?.map(|task| (row, task)))).collect();
         let tasks = match tasks {
             Ok(tasks) => tasks,
             Err(failure) => return Ok(Err(failure)),
         };
-        let all = || tasks.par_iter().map(|task| job.answer(task)).collect();
-        let answers: Vec<Result<_, Failure>> = match pool {
+        let all = || tasks.par_chunks(GRAIN).map(|tasks| answers(job, tasks)).collect();
+        let answers: Vec<_> = match pool {
             Some(pool) => pool.install(all),
             None => all(),
         };
-        for (task, answer) in tasks.iter().zip(answers) {
-            match answer {
-                Ok(answer) => job.write(task, &answer, &mut writer).map_err(io_error)?,
-                Err(failure) => return Ok(Err(failure)),
+        for (text, counts, done) in answers {
+            out.write_all(text.bytes())?;
+            job.count(counts);
+            if let Err(failure) = done {
+                return Ok(Err(failure));
             }
         }
         meter.update(table.progress());
     }
-    writer.flush()?;
+    out.flush()?;
     Ok(Ok(()))
+}
+
+/// The rows that answer some tasks and their counts, up to the first that fails.
+fn answers<J: RowWise>(
+    job: &J,
+    tasks: &[(&ByteRecord, J::Task)],
+) -> (CsvText, J::Counts, Result<(), Failure>) {
+    let (mut text, mut counts) = (CsvText::default(), J::Counts::default());
+    let done = tasks.iter().try_for_each(|(row, task)| job.answer(row, task, &mut text, &mut counts));
+    (text, counts, done)
 }

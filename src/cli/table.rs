@@ -21,6 +21,8 @@ pub(super) struct InputTable {
     /// Bytes.
     size: u64,
     pub(super) header: TableHeader,
+    /// Rows of the chunk in memory, kept for the next.
+    rows: Vec<ByteRecord>,
 }
 
 impl InputTable {
@@ -30,16 +32,23 @@ impl InputTable {
         let unreadable = |error: io::Error| unreadable(&name, what, &error);
         let file = Files::default().open(path).map_err(unreadable)?;
         let size = file.metadata().map_err(unreadable)?.len();
-        let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).from_reader(file);
+        let mut reader = ReaderBuilder::new().comment(Some(b'#')).trim(Trim::Headers).from_reader(file);
         let names = reader.byte_headers().map_err(|error| explain(&name, what, &error))?.clone();
-        Ok(Self { reader, size, header: TableHeader { table: name, what, names } })
+        Ok(Self { reader, size, header: TableHeader { table: name, what, names }, rows: Vec::new() })
     }
 
     /// The next rows; none at the end.
-    pub(super) fn chunk(&mut self) -> Result<Vec<ByteRecord>, Failure> {
+    pub(super) fn chunk(&mut self) -> Result<&[ByteRecord], Failure> {
         let TableHeader { table, what, .. } = &self.header;
-        let rows = self.reader.byte_records().take(CHUNK);
-        rows.map(|row| row.map_err(|error| explain(table, what, &error))).collect()
+        self.rows.resize_with(CHUNK, ByteRecord::new);
+        let mut count = 0;
+        for row in &mut self.rows {
+            if !self.reader.read_byte_record(row).map_err(|error| explain(table, what, &error))? {
+                break;
+            }
+            count += 1;
+        }
+        Ok(&self.rows[..count])
     }
 
     /// Bytes read.
@@ -69,6 +78,11 @@ fn explain(table: &str, what: &str, error: &csv::Error) -> Failure {
 /// The line of a row.
 pub(super) fn line(row: &ByteRecord) -> u64 {
     row.position().map_or(0, csv::Position::line)
+}
+
+/// The cell of a row at `place`, without the blanks around it; empty without the cell.
+pub(super) fn cell(row: &ByteRecord, place: usize) -> &[u8] {
+    row.get(place).unwrap_or_default().trim_ascii()
 }
 
 /// The name of a table and those of its columns.
@@ -128,7 +142,7 @@ impl TableHeader {
 
     /// The number in the column `name` at `place`.
     pub(super) fn number(&self, row: &ByteRecord, name: &str, place: usize) -> Result<f64, Failure> {
-        let bytes = row.get(place).unwrap_or_default();
+        let bytes = cell(row, place);
         let number = std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok());
         number.filter(|number: &f64| number.is_finite()).ok_or_else(|| {
             let text = String::from_utf8_lossy(bytes);
@@ -146,7 +160,7 @@ impl TableHeader {
         name: &str,
         place: Option<usize>,
     ) -> Result<Option<f64>, Failure> {
-        let filled = place.filter(|&place| row.get(place).is_some_and(|text| !text.is_empty()));
+        let filled = place.filter(|&place| !cell(row, place).is_empty());
         filled.map(|place| self.number(row, name, place)).transpose()
     }
 

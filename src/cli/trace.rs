@@ -1,11 +1,10 @@
 //! `warpfront trace`.
 
-use std::io::Write;
-
 use csv::ByteRecord;
 
 use super::args::TraceArgs;
 use super::completion::Completion;
+use super::csv_text::CsvText;
 use super::failure::Failure;
 use super::rays_table::RayColumns;
 use super::rowwise::{RowWise, Setup};
@@ -13,6 +12,7 @@ use super::table::line;
 use super::units::{decimal, plural};
 use crate::scene::flag_name;
 use crate::study::free::{Accuracy, FreeRayEnd, TableForm, Traced};
+use crate::study::table::Cell;
 
 /// Follows the rays of a table and writes how they end.
 pub(super) fn run(args: &TraceArgs) -> Result<Completion, Failure> {
@@ -40,8 +40,8 @@ struct TraceJob {
 }
 
 impl RowWise for TraceJob {
-    type Task = ByteRecord;
-    type Answer = Traced;
+    type Task = ();
+    type Counts = Tally;
 
     fn settings(&self) -> String {
         let Accuracy { stepper, tolerance, precision } = self.accuracy;
@@ -62,28 +62,28 @@ impl RowWise for TraceJob {
             .collect()
     }
 
-    fn read(&mut self, row: ByteRecord) -> Result<Option<ByteRecord>, Failure> {
-        Ok(Some(row))
+    fn read(&mut self, _: &ByteRecord) -> Result<Option<()>, Failure> {
+        Ok(Some(()))
     }
 
-    fn answer(&self, row: &ByteRecord) -> Result<Traced, Failure> {
+    fn answer(&self, row: &ByteRecord, _: &(), out: &mut CsvText, tally: &mut Tally) -> Result<(), Failure> {
         let RayColumns { header, form, .. } = &self.columns;
         let (spacetime, ray) = self.columns.ray(row)?;
-        (form.trace)(&spacetime, &ray, &self.accuracy).map_err(|error| header.refuse(line(row), &error))
+        let Traced { status, cells, steps, .. } = (form.trace)(&spacetime, &ray, &self.accuracy)
+            .map_err(|error| header.refuse(line(row), &error))?;
+        self.columns.inputs(row).for_each(|cell| out.text(cell));
+        out.text(status.name().as_bytes());
+        cells.into_iter().for_each(|cell| out.cell(cell));
+        out.cell(Cell::Integer(steps.into()));
+        out.end_row();
+        tally.count(status);
+        Ok(())
     }
 
-    fn write(
-        &mut self,
-        row: &ByteRecord,
-        ray: &Traced,
-        out: &mut csv::Writer<impl Write>,
-    ) -> csv::Result<()> {
-        self.columns.inputs(row).try_for_each(|cell| out.write_field(cell))?;
-        out.write_field(ray.status.name())?;
-        ray.cells.iter().try_for_each(|cell| out.write_field(cell))?;
-        out.write_record([ray.steps.to_string()])?;
-        self.tally.count(ray.status);
-        Ok(())
+    fn count(&mut self, Tally(counts): Tally) {
+        for (sum, count) in self.tally.0.iter_mut().zip(counts) {
+            *sum += count;
+        }
     }
 
     fn summary(&self, seconds: f64) -> String {

@@ -3,6 +3,7 @@
 #![doc = include_str!("accuracy.md")]
 
 mod arc;
+mod areal_quadrature;
 mod areal_series;
 mod control;
 mod dop853;
@@ -26,6 +27,7 @@ mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
+pub use areal_quadrature::{ArealQuadrature, Followed, Passage};
 pub use areal_series::ArealSeries;
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;

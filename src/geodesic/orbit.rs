@@ -131,11 +131,17 @@ impl Launch {
 
     /// Unit direction of travel there, given the rate `v` = dw/dψ.
     pub fn direction(&self, w: f64, v: f64, swept: f64) -> DVec3 {
+        self.place(w, v, swept).1
+    }
+
+    /// Position, relative to the centre, and unit direction of travel at the inverse radius `w`, the rate `v` = dw/dψ and
+    /// the angle `swept` from the start.
+    pub fn place(&self, w: f64, v: f64, swept: f64) -> (DVec3, DVec3) {
         let (sin, cos) = libm::sincos(swept);
         let (outwards, across) = (-v, self.b * w);
         let direction =
             self.radial * (outwards * cos - across * sin) + self.along * (outwards * sin + across * cos);
-        direction.normalize()
+        ((self.radial * cos + self.along * sin) / w, direction.normalize())
     }
 }
 

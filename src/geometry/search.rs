@@ -34,6 +34,8 @@ struct SideQueries<S: SideBySide> {
     found: Vec<Option<Found>>,
 }
 
+/// Queries for each that is put together with others for a search side by side, at least.
+const SPARSE: usize = 3;
 /// Interleaved traversals: enough that what the next of them visits has come when it is its turn. Measured.
 const TURNS: usize = 8;
 /// Bytes of a hierarchy with its triangles that stay in a core's cache: one traversal after the other is faster then.
@@ -57,7 +59,7 @@ impl Geometry {
     /// Searches the first `lanes` queries of `search`, each on the side of the primitive that it starts on.
     pub fn search_all<S: SideBySide>(&self, search: &mut Search<S>, lanes: usize) {
         let Search { queries, found, few, near_start, part } = search;
-        if self.far.is_none() {
+        if self.far.is_none() && !self.are_worth_gathering(queries, lanes) {
             return self.search_own(queries, found, (few, near_start), lanes);
         }
         found.clear();
@@ -77,6 +79,16 @@ impl Geometry {
                 found[lane] = hit.map(|hit| Found { primitive: hit.primitive.on(side), ..hit });
             }
         }
+    }
+
+    /// True if queries are tested side by side, and so few of them need a search that others would cost more than to
+    /// put these together.
+    fn are_worth_gathering<S: SideBySide>(&self, queries: &Columns<Query<S>>, lanes: usize) -> bool {
+        if !self.is_small::<S>() {
+            return false;
+        }
+        let needed = (0..lanes).filter(|&lane| queries.get(lane).need == Need::Whole).count();
+        SPARSE * needed < lanes
     }
 
     /// Searches the first `lanes` of `queries` on the near side.
@@ -198,6 +210,17 @@ mod tests {
             assert_eq!(*found, alone, "segment {i}");
         }
         assert!(search.found.iter().any(Option::is_some));
+        // Few among others that need no search.
+        let all = std::mem::take(&mut search.found);
+        let is_needed = |i: usize| i % 4 == 1;
+        search.queries.gather(LANES, |i| {
+            let need = if is_needed(i) { Need::Whole } else { Need::Nothing };
+            Query { need, ..query(i) }
+        });
+        geometry.search_all(&mut search, LANES);
+        for (i, found) in all.iter().enumerate() {
+            assert_eq!(search.found[i], found.filter(|_| is_needed(i)), "segment {i} among few");
+        }
     }
 
     #[test]

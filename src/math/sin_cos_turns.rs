@@ -38,12 +38,17 @@ pub fn sin_cos(turns: f64) -> (f64, f64) {
     (flip(sin, quarter), flip(cos, quarter + 1))
 }
 
+/// sin x / x of x², at most 0.7; sinh y / y of −y².
+#[inline(always)]
+pub fn sinc(x2: f64) -> f64 {
+    SIN.iter().rev().fold(0.0, |sum, c| sum * x2 + c)
+}
+
 /// Sine and cosine of an angle of at most 0.85 either way, radians: straight-line code.
 #[inline(always)]
 pub fn small(x: f64) -> (f64, f64) {
     let x2 = x * x;
-    let sum = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * x2 + c);
-    (x * sum(&SIN), sum(&COS))
+    (x * sinc(x2), COS.iter().rev().fold(0.0, |sum, c| sum * x2 + c))
 }
 
 #[cfg(test)]

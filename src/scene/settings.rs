@@ -49,6 +49,9 @@ pub enum StepperKind {
     /// Taylor series, of rays around a single hole: in the inverse areal radius, or in Mino time if it spins. Elsewhere
     /// rkn6 stands for it.
     Series,
+    /// Quadrature, good to rounding and without steps, of a table's rays around a hole that does not spin. Elsewhere
+    /// series stands for it.
+    Quadrature,
     /// The paper's scheme: RK4 on its equations (7), (8) with the step rule of its Algorithm 2.
     Rk4Paper,
 }
@@ -61,8 +64,11 @@ impl StepperKind {
             (SpacetimeKind::Indexed(_), Self::Dop853) => Self::Dop853,
             (SpacetimeKind::Indexed(_), _) => Self::Rkn6,
             (SpacetimeKind::Wormhole { .. }, Self::Rk4Paper) => Self::Rkn6,
-            (SpacetimeKind::Flat | SpacetimeKind::Wormhole { .. }, Self::Series) => Self::Rkn6,
+            (SpacetimeKind::Flat | SpacetimeKind::Wormhole { .. }, Self::Series | Self::Quadrature) => {
+                Self::Rkn6
+            }
             (SpacetimeKind::Wormhole { .. }, stepper) => stepper,
+            (SpacetimeKind::Spherical { .. }, Self::Quadrature) => Self::Series,
             (SpacetimeKind::Flat | SpacetimeKind::Spherical { .. }, stepper) => stepper,
         }
     }
@@ -71,10 +77,10 @@ impl StepperKind {
     pub const OF_ORBITS: [Self; 7] =
         [Self::Rkn6, Self::Dop853, Self::Dopri5, Self::Rkf45, Self::Rkn4, Self::Rk4, Self::Leapfrog4];
 
-    /// Those that follow the rays of a hole that does not spin to a tolerance.
-    pub const AROUND_A_HOLE: [Self; 8] = {
+    /// Those that follow the rays of a table around a hole that does not spin to a tolerance.
+    pub const AROUND_A_HOLE: [Self; 9] = {
         let [rkn6, dop853, dopri5, rkf45, rkn4, rk4, leapfrog4] = Self::OF_ORBITS;
-        [rkn6, Self::Series, dop853, dopri5, rkf45, rkn4, rk4, leapfrog4]
+        [Self::Quadrature, rkn6, Self::Series, dop853, dopri5, rkf45, rkn4, rk4, leapfrog4]
     };
 }
 

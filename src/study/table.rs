@@ -13,6 +13,23 @@ pub fn number_cell(number: f64) -> String {
     zmij::Buffer::new().format(number).to_owned()
 }
 
+/// Cell of a result, as programs read it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing in it.
+    Empty,
+    /// Number, which reads back exactly.
+    Number(f64),
+    /// Whole number.
+    Integer(i64),
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(number: Option<f64>) -> Self {
+        number.map_or(Self::Empty, Self::Number)
+    }
+}
+
 /// A row: the name of each column and the cell in it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableRow(Vec<(String, String)>);

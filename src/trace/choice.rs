@@ -137,7 +137,7 @@ impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
     fn run<R: Lane, E: TransportVisitor>(self, scene: &Baked, visitor: E) -> E::Output {
         let (medium, center, chart) = (self.medium, self.worlds.center, self.chart);
         let control = self.control::<R>(scene);
-        match march(medium, by(scene), control, R::of(chart.outer)) {
+        match march(medium, by(scene), control, chart) {
             Some(march) => visitor.run(self.curved(scene, march)),
             None => visitor.run(PaperMarch { medium, center, chart }),
         }
@@ -147,9 +147,9 @@ impl<M: ConformallyFlat> CenteredMedium<M, OneWorld> {
 impl<M: ConformallyFlat> CenteredMedium<M, TwoWorlds> {
     /// Rays through a throat; the paper's scheme, which knows none, gives way to rkn6.
     fn through<R: Lane>(self, scene: &Baked) -> Curved<M, R, TwoWorlds> {
-        let (control, outer) = (self.control::<R>(scene), R::of(self.chart.outer));
-        let march = march(self.medium, by(scene), control, outer)
-            .unwrap_or_else(|| march_by(Rkn6, self.medium, control, outer));
+        let control = self.control::<R>(scene);
+        let march = march(self.medium, by(scene), control, self.chart)
+            .unwrap_or_else(|| march_by(Rkn6, self.medium, control, self.chart));
         self.curved(scene, march)
     }
 }

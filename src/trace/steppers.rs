@@ -15,7 +15,7 @@ pub trait UseStepper {
 /// Does `work` with the stepper of this name; `None` for the paper's scheme, which knows neither orbits nor tolerances.
 pub fn with_stepper<U: UseStepper>(stepper: StepperKind, work: U) -> Option<U::Output> {
     match stepper {
-        StepperKind::Rkn6 | StepperKind::Series => Some(work.with(Rkn6)),
+        StepperKind::Rkn6 | StepperKind::Series | StepperKind::Quadrature => Some(work.with(Rkn6)),
         StepperKind::Dop853 => Some(work.with(Dop853)),
         StepperKind::Dopri5 => Some(work.with(Dopri5)),
         StepperKind::Rkf45 => Some(work.with(Rkf45)),

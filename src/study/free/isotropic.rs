@@ -7,12 +7,12 @@ use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
 use super::super::lengths::Lengths;
-use super::super::table::number_cell;
+use super::super::table::Cell;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{
-    ArealSeries, Control, Launch, OrbitEnd, OrbitStepper, Phase, Stepper, UsePowers, elapsed, follow,
-    with_powers,
+    ArealQuadrature, ArealSeries, Control, Followed, Launch, OrbitEnd, OrbitStepper, Passage, Phase, Stepper,
+    UsePowers, elapsed, follow, with_powers,
 };
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
@@ -20,7 +20,7 @@ use crate::math::real::Real;
 use crate::scene::{Precision, StepperKind};
 use crate::spacetime::{
     ConformallyFlat, Fate, IndexField, KerrNewman, Mouths, Placement, ReissnerNordstrom, SpacetimeKind,
-    SpacetimeVisitor,
+    SpacetimeVisitor, StaticHole,
 };
 use crate::trace::steppers::{UseStepper, with_stepper};
 
@@ -39,7 +39,7 @@ pub(super) static FORM: TableForm = TableForm {
     ],
     crossing: ["x1", "y1", "z1", "dx1", "dy1", "dz1", "sens"],
     steppers: &StepperKind::AROUND_A_HOLE,
-    stepper: None,
+    stepper: Some(StepperKind::Quadrature),
     radius: |_, cells| cells.last(),
     trace: |spacetime, cells, accuracy| Ok(trace(spacetime, &FreeRay::of(cells), accuracy)?.traced()),
     arrive: |spacetime, cells, accuracy| arrive(spacetime, &FreeRay::of(cells), accuracy),
@@ -105,9 +105,8 @@ impl FreeRay {
 
 impl Exit {
     fn traced(&self) -> Traced {
-        let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
         let crossing = self.crossing.as_ref();
-        let at = |value: fn(&Crossing) -> f64| cell(crossing.map(value));
+        let at = |value: fn(&Crossing) -> f64| Cell::from(crossing.map(value));
         let cells = vec![
             at(|c| c.position.x),
             at(|c| c.position.y),
@@ -118,12 +117,12 @@ impl Exit {
             at(|c| c.time),
             at(|c| c.swept),
             at(|c| c.swept / TAU),
-            cell(Some(self.b)),
-            cell(self.eps),
-            cell(self.r_min),
+            Cell::from(Some(self.b)),
+            Cell::from(self.eps),
+            Cell::from(self.r_min),
             at(|c| c.sens),
             at(|c| c.drift_h),
-            cell(crossing.and_then(|c| c.drift_l)),
+            Cell::from(crossing.and_then(|c| c.drift_l)),
         ];
         let crossing = crossing.map(|&Crossing { position, direction, sens, .. }| SphereCrossing {
             position,
@@ -156,8 +155,8 @@ pub fn arrive(spacetime: &SpacetimeKind, ray: &FreeRay, accuracy: &Accuracy) -> 
 
 /// Answer about a ray: its exit, or only its arrival.
 pub(super) trait Answer: Sized {
-    /// In flat space.
-    fn straight(exit: Exit) -> Self;
+    /// From an exit in closed form.
+    fn known(exit: Exit) -> Self;
 
     /// Around a centre, with orbits in `R`.
     fn around<M: ConformallyFlat, R: Real>(
@@ -168,7 +167,7 @@ pub(super) trait Answer: Sized {
 }
 
 impl Answer for Exit {
-    fn straight(exit: Exit) -> Self {
+    fn known(exit: Exit) -> Self {
         exit
     }
 
@@ -182,7 +181,7 @@ impl Answer for Exit {
 }
 
 impl Answer for Arrival {
-    fn straight(exit: Exit) -> Self {
+    fn known(exit: Exit) -> Self {
         let crossing = exit.crossing.map(|crossing| (crossing.position, crossing.direction));
         Self { status: exit.status, crossing, steps: exit.steps }
     }
@@ -198,8 +197,8 @@ impl Answer for Arrival {
 
 /// An arrival, and true if the ray passed a throat, as [`Exit::passes`].
 impl Answer for (Arrival, bool) {
-    fn straight(exit: Exit) -> Self {
-        (Answer::straight(exit), false)
+    fn known(exit: Exit) -> Self {
+        (Answer::known(exit), false)
     }
 
     fn around<M: ConformallyFlat, R: Real>(
@@ -233,7 +232,7 @@ impl<A: Answer> SpacetimeVisitor for Asker<'_, A> {
     type Output = Result<A, InputError>;
 
     fn flat(self) -> Self::Output {
-        Ok(A::straight(straight(self.x, self.ray)))
+        Ok(A::known(straight(self.x, self.ray)))
     }
 
     fn spherical<M: ConformallyFlat>(self, center: DVec3, medium: M) -> Self::Output {
@@ -275,11 +274,16 @@ pub(super) fn curved<M: ConformallyFlat, A: Answer>(
         });
     }
     let launch = Launch::new(medium, x, ray.direction, epsilon);
-    if let Some(hole) = medium.as_hole().filter(|_| accuracy.stepper == StepperKind::Series) {
-        let orbit = Orbit { medium: &ReissnerNordstrom::of(hole), center, x, ray, launch };
-        return Ok(with_powers(accuracy.tolerance, Asked { orbit, accuracy, answer: PhantomData }));
-    }
     let orbit = Orbit { medium, center, x, ray, launch };
+    if let Some(hole) = medium.as_hole() {
+        if accuracy.stepper == StepperKind::Quadrature {
+            return Ok(A::known(orbit.integrated(&hole)));
+        }
+        if accuracy.stepper == StepperKind::Series {
+            let orbit = Orbit { medium: &ReissnerNordstrom::of(hole), center, x, ray, launch };
+            return Ok(with_powers(accuracy.tolerance, Asked { orbit, accuracy, answer: PhantomData }));
+        }
+    }
     with_stepper(accuracy.stepper, Asked { orbit, accuracy, answer: PhantomData })
         .ok_or_else(|| FORM.refusal(accuracy.stepper))
 }
@@ -352,16 +356,14 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         let orbit = (R::of(launch.b), start, launch.fate);
         let journey = follow(*medium, stepper, &control, orbit, w_out, |_| {});
         let crossing = match &journey.end {
-            OrbitEnd::Crosses(phase, swept) => Some(self.place(w_out, phase.v.value(), swept.value())),
+            OrbitEnd::Crosses(phase, swept) => {
+                let (position, direction) = launch.place(w_out, phase.v.value(), swept.value());
+                Some((position + self.center, direction))
+            }
             _ => None,
         };
         let status = self.status(&journey.end);
         (Arrival { status, crossing, steps: journey.steps }, journey.passes)
-    }
-
-    /// Position, in the chart, and direction at the inverse radius `w`.
-    fn place(&self, w: f64, v: f64, swept: f64) -> (DVec3, DVec3) {
-        (self.launch.position(w, swept) + self.center, self.launch.direction(w, v, swept))
     }
 
     fn exit<R: Real>(&self, stepper: &impl OrbitStepper, tolerance: f64) -> Exit {
@@ -377,51 +379,88 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
             time += elapsed(*medium, stepper, step);
         });
         let crossing = match journey.end {
-            OrbitEnd::Crosses(phase, swept) => Some(self.crossing(b, (phase, swept), w_out, time)),
+            OrbitEnd::Crosses(phase, swept) => {
+                // From the radius to the direction: the derivative of atan2(b w, −v).
+                let (across, outwards) = (b * phase.w, -phase.v);
+                let tilt = (outwards.value * across.slope - across.value * outwards.slope)
+                    / (across.value.squared() + outwards.value.squared());
+                let (v, swept, turn) = (phase.v.value(), swept.value(), swept.slope.value());
+                let landing = Landing { v, swept, turn, tilt: tilt.value(), time };
+                Some(self.crossing(&landing, w_out))
+            }
             _ => None,
         };
-        let critical = medium.critical_impact_parameter();
+        let periastron = journey.periastron.map(|w| w.value());
+        let exit = self.ended(self.status(&journey.end), crossing, periastron);
+        Exit { passes: journey.passes, steps: journey.steps, ..exit }
+    }
+
+    /// The exit by quadrature, around the `hole` that the medium is.
+    fn integrated(&self, hole: &StaticHole) -> Exit {
+        let Self { medium, launch, .. } = self;
+        let w = self.w_out();
+        let Followed { passage, periastron } = ArealQuadrature::new(hole).follow(launch, w);
+        let crossing = passage.map(|Passage { swept, turn, cosine, time }| {
+            let n = medium.index(w);
+            // b = n sin η/w at the end, at the angle η from the radius, and b = n sin α/w at the start.
+            let tilt = -launch.v * w / (launch.w * n * cosine);
+            self.crossing(&Landing { v: -n * cosine, swept, turn, tilt, time }, w)
+        });
+        let status = match (&crossing, launch.fate) {
+            (Some(_), _) => FreeRayEnd::Escaped,
+            (None, Fate::Falls) => FreeRayEnd::Captured,
+            (None, Fate::Escapes) => FreeRayEnd::Missed,
+        };
+        self.ended(status, crossing, periastron)
+    }
+
+    /// The exit of a ray, without steps, given the inverse radius of its periastron.
+    fn ended(&self, status: FreeRayEnd, crossing: Option<Crossing>, periastron: Option<f64>) -> Exit {
+        let critical = self.medium.critical_impact_parameter();
         Exit {
-            status: self.status(&journey.end),
+            status,
             crossing,
-            b: launch.b,
-            eps: (critical > 0.0).then(|| (launch.b - critical) / critical),
-            r_min: journey.periastron.map(|w| 1.0 / w.value()),
-            passes: journey.passes,
-            steps: journey.steps,
+            b: self.launch.b,
+            eps: (critical > 0.0).then(|| (self.launch.b - critical) / critical),
+            r_min: periastron.map(|w| 1.0 / w),
+            passes: false,
+            steps: 0,
         }
     }
 
-    fn crossing<R: Real>(
-        &self,
-        b: Dual<R>,
-        (phase, swept): (Phase<Dual<R>>, Dual<R>),
-        w: f64,
-        time: f64,
-    ) -> Crossing {
+    fn crossing(&self, landing: &Landing, w: f64) -> Crossing {
         let Self { medium, launch, .. } = self;
-        let (v, angle) = (phase.v.value(), swept.value());
-        let position = launch.position(w, angle);
-        let direction = launch.direction(w, v, angle);
-        // From the radius to the direction: the derivative of atan2(b w, −v).
-        let (across, outwards) = (b * phase.w, -phase.v);
-        let tilt = (outwards.value * across.slope - across.value * outwards.slope)
-            / (across.value.squared() + outwards.value.squared());
-        let (turn, tilt) = (swept.slope.value(), tilt.value());
+        let &Landing { v, swept, turn, tilt, time } = landing;
+        let (position, direction) = launch.place(w, v, swept);
         let n2 = |x: DVec3| medium.index_squared(1.0 / x.length());
+        let there = n2(position);
         Crossing {
             position: position + self.center,
             direction,
             time,
-            swept: angle,
+            swept,
             sens: turn.abs().max((turn + tilt).abs()).max(1.0),
-            drift_h: (v * v + (launch.b / position.length()).powi(2)) / n2(position) - 1.0,
+            drift_h: (v * v + (launch.b / position.length()).powi(2)) / there - 1.0,
             drift_l: drift_l(
                 n2(self.x).sqrt() * spin(self.x, self.ray.direction),
-                n2(position).sqrt() * spin(position, direction),
+                there.sqrt() * spin(position, direction),
             ),
         }
     }
+}
+
+/// State of a ray where it crosses its sphere, in the plane of its orbit.
+struct Landing {
+    /// dw/dψ.
+    v: f64,
+    /// Angle swept, radians.
+    swept: f64,
+    /// Its derivative by the angle between direction and radius at the start.
+    turn: f64,
+    /// That of the angle between direction and radius at the end.
+    tilt: f64,
+    /// Coordinate time, in the unit of length.
+    time: f64,
 }
 
 /// |x × d|/|d|.
@@ -514,7 +553,7 @@ mod tests {
                 let (ray, accuracy) = (ray(start, direction, r_out), Accuracy { precision, ..ACCURACY });
                 for spacetime in [&HOLE, &SpacetimeKind::Flat] {
                     let full = trace(spacetime, &ray, &accuracy).unwrap();
-                    assert_eq!(arrive(spacetime, &ray, &accuracy).unwrap(), Arrival::straight(full));
+                    assert_eq!(arrive(spacetime, &ray, &accuracy).unwrap(), Arrival::known(full));
                 }
             }
         }

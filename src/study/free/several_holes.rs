@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::hole_columns::{HOLES, holes};
 use super::super::input_error::{Input, InputError};
 use super::super::lengths::Lengths;
-use super::super::table::number_cell;
+use super::super::table::Cell;
 use super::sensitivity::sensitivity;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{
@@ -115,9 +115,8 @@ impl FieldRay {
         } else {
             None
         };
-        let hole = if let FieldEnd::Falls(hole) = end { (hole + 1).to_string() } else { String::new() };
-        let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
-        let at = |value: fn(&SphereCrossing) -> f64| cell(crossing.as_ref().map(value));
+        let hole = if let FieldEnd::Falls(hole) = end { Cell::Integer(hole as i64 + 1) } else { Cell::Empty };
+        let at = |value: fn(&SphereCrossing) -> f64| Cell::from(crossing.as_ref().map(value));
         let cells = vec![
             hole,
             at(|c| c.position.x),
@@ -126,8 +125,8 @@ impl FieldRay {
             at(|c| c.direction.x),
             at(|c| c.direction.y),
             at(|c| c.direction.z),
-            cell(crossing.map(|_| time)),
-            cell(self.axial_momentum()),
+            Cell::from(crossing.map(|_| time)),
+            Cell::from(self.axial_momentum()),
             at(|c| c.sens),
         ];
         Traced { status: status(end), crossing, cells, steps }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
 use super::super::lengths::{Lengths, check_together};
-use super::super::table::number_cell;
+use super::super::table::Cell;
 use super::sensitivity::sensitivity;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::kerr::{
@@ -153,20 +153,19 @@ impl PhotonRay {
         let Followed { status, crossing, constants, periastron, steps } =
             self.follow(self.direction, accuracy, true);
         let sens = crossing.map(|_| self.sens());
-        let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
         let at = |value: fn(&KerrPhoton) -> f64| crossing.as_ref().map(value);
         let cells = vec![
-            cell(at(|photon| photon.x.x).map(|x| mass * x)),
-            cell(at(|photon| photon.x.y).map(|y| mass * y)),
-            cell(at(|photon| photon.x.z).map(|z| mass * z)),
-            cell(at(|photon| photon.p.x)),
-            cell(at(|photon| photon.p.y)),
-            cell(at(|photon| photon.p.z)),
-            cell(at(|photon| photon.t).map(|t| mass * t)),
-            cell(constants.map(|[l, _]| mass * l)),
-            cell(constants.map(|[_, q]| mass * mass * q)),
-            cell(periastron.map(|r| mass * r)),
-            cell(sens),
+            Cell::from(at(|photon| photon.x.x).map(|x| mass * x)),
+            Cell::from(at(|photon| photon.x.y).map(|y| mass * y)),
+            Cell::from(at(|photon| photon.x.z).map(|z| mass * z)),
+            Cell::from(at(|photon| photon.p.x)),
+            Cell::from(at(|photon| photon.p.y)),
+            Cell::from(at(|photon| photon.p.z)),
+            Cell::from(at(|photon| photon.t).map(|t| mass * t)),
+            Cell::from(constants.map(|[l, _]| mass * l)),
+            Cell::from(constants.map(|[_, q]| mass * mass * q)),
+            Cell::from(periastron.map(|r| mass * r)),
+            Cell::from(sens),
         ];
         let crossing = crossing.zip(sens).map(|(photon, sens)| SphereCrossing {
             position: mass * photon.x,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::super::input_error::{Input, InputError};
+use super::super::table::Cell;
 use super::{Accuracy, FreeRayEnd};
 use crate::scene::{StepperKind, flag_name};
 use crate::spacetime::SpacetimeKind;
@@ -45,8 +46,8 @@ pub struct Traced {
     pub status: FreeRayEnd,
     /// State on the sphere, if it escaped.
     pub crossing: Option<SphereCrossing>,
-    /// Cells of the columns [`TableForm::results`]; numbers read back exactly.
-    pub cells: Vec<String>,
+    /// Cells of the columns [`TableForm::results`].
+    pub cells: Vec<Cell>,
     /// Steps tried.
     pub steps: u32,
 }

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 
 use super::super::input_error::{Input, InputError};
 use super::super::lengths::{Lengths, check_together};
-use super::super::table::number_cell;
+use super::super::table::Cell;
 use super::isotropic::{self, Answer, Exit, FreeRay};
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, SphereCrossing, TableForm, Traced};
@@ -198,7 +198,7 @@ impl<A: Answer> SpacetimeVisitor for Through<'_, A> {
     type Output = Result<A, InputError>;
 
     fn flat(self) -> Self::Output {
-        Ok(A::straight(isotropic::straight(self.ray.start, self.ray)))
+        Ok(A::known(isotropic::straight(self.ray.start, self.ray)))
     }
 
     fn spherical<M: ConformallyFlat>(self, _: DVec3, _: M) -> Self::Output {
@@ -220,7 +220,6 @@ impl<A: Answer> SpacetimeVisitor for Through<'_, A> {
 
 /// Cells of an exit.
 fn traced(way: &WayThrough, exit: &Exit, spacetime: &SpacetimeKind) -> Traced {
-    let cell = |number: Option<f64>| number.map_or_else(String::new, number_cell);
     let end = exit.crossing.map(|crossing| {
         let (side, position, direction) = way.end(exit.passes, crossing.position, crossing.direction);
         (side, SphereCrossing { position, direction, sens: crossing.sens })
@@ -233,27 +232,27 @@ fn traced(way: &WayThrough, exit: &Exit, spacetime: &SpacetimeKind) -> Traced {
     });
     let radial = radial.map(DVec3::normalize);
     let sign = end.map(|(side, _)| match side {
-        Side::Near => "1",
-        Side::Far => "-1",
+        Side::Near => Cell::Integer(1),
+        Side::Far => Cell::Integer(-1),
     });
     let cells = vec![
-        sign.unwrap_or_default().to_owned(),
-        cell(position.map(|x| x.x)),
-        cell(position.map(|x| x.y)),
-        cell(position.map(|x| x.z)),
-        cell(radial.map(|n| n.x)),
-        cell(radial.map(|n| n.y)),
-        cell(radial.map(|n| n.z)),
-        cell(direction.map(|d| d.x)),
-        cell(direction.map(|d| d.y)),
-        cell(direction.map(|d| d.z)),
-        cell(exit.crossing.map(|crossing| crossing.time)),
-        cell(exit.crossing.map(|crossing| crossing.swept)),
-        cell(Some(exit.b)),
-        cell(exit.eps),
-        cell(exit.r_min.map(turn)),
-        cell(end.map(|(_, end)| end.sens)),
-        cell(exit.crossing.map(|crossing| crossing.drift_h)),
+        sign.unwrap_or(Cell::Empty),
+        Cell::from(position.map(|x| x.x)),
+        Cell::from(position.map(|x| x.y)),
+        Cell::from(position.map(|x| x.z)),
+        Cell::from(radial.map(|n| n.x)),
+        Cell::from(radial.map(|n| n.y)),
+        Cell::from(radial.map(|n| n.z)),
+        Cell::from(direction.map(|d| d.x)),
+        Cell::from(direction.map(|d| d.y)),
+        Cell::from(direction.map(|d| d.z)),
+        Cell::from(exit.crossing.map(|crossing| crossing.time)),
+        Cell::from(exit.crossing.map(|crossing| crossing.swept)),
+        Cell::from(Some(exit.b)),
+        Cell::from(exit.eps),
+        Cell::from(exit.r_min.map(turn)),
+        Cell::from(end.map(|(_, end)| end.sens)),
+        Cell::from(exit.crossing.map(|crossing| crossing.drift_h)),
     ];
     Traced { status: exit.status, crossing: end.map(|(_, end)| end), cells, steps: exit.steps }
 }

@@ -12,7 +12,7 @@ use crate::math::columns::Row;
 use crate::math::kernel::{Kernel, NOTHING, map, map_full};
 use crate::math::real::Real;
 use crate::scene::StepperKind;
-use crate::spacetime::{ConformallyFlat, Fate, ReissnerNordstrom};
+use crate::spacetime::{Chart, ConformallyFlat, Fate, ReissnerNordstrom};
 use crate::trace::land_on_ray::{PartialStep, Pose};
 
 /// A stepper at work in a spacetime.
@@ -56,14 +56,14 @@ pub fn march<M: ConformallyFlat, R: Lane>(
     medium: M,
     (stepper, tolerance): (StepperKind, f64),
     control: Control<R>,
-    outer: R,
+    chart: Chart,
 ) -> Option<Box<dyn March<R>>> {
     match medium.as_hole() {
-        Some(hole) if stepper == StepperKind::Series => {
+        Some(hole) if matches!(stepper, StepperKind::Series | StepperKind::Quadrature) => {
             let medium = ReissnerNordstrom::of(hole);
-            Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, outer }, tolerance }))
+            Some(with_powers(tolerance, HoleSeries { held: Held { medium, control, chart }, tolerance }))
         }
-        _ => with_stepper(stepper, Held { medium, control, outer }),
+        _ => with_stepper(stepper, Held { medium, control, chart }),
     }
 }
 
@@ -87,9 +87,9 @@ pub fn march_by<M: ConformallyFlat, R: Lane>(
     stepper: impl Stepper + 'static,
     medium: M,
     control: Control<R>,
-    outer: R,
+    chart: Chart,
 ) -> Box<dyn March<R>> {
-    Held { medium, control, outer }.with(stepper)
+    Held { medium, control, chart }.with(stepper)
 }
 
 /// Parts of a march other than the stepper.
@@ -98,8 +98,8 @@ struct Held<M, R> {
     medium: M,
     /// Step-size control.
     control: Control<R>,
-    /// Inverse radius beyond which there is nothing to meet.
-    outer: R,
+    /// Radii beyond which there is nothing to meet.
+    chart: Chart,
 }
 
 impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
@@ -110,11 +110,13 @@ impl<M: ConformallyFlat, R: Lane> UseStepper for Held<M, R> {
     }
 }
 
-/// True if a step between two phases stays at inverse radii below `outer`: it does not turn in between.
+/// True if a step between two phases keeps outside all geometry: its ray passes that by, or the step does not turn and has
+/// both ends outside.
 #[inline(always)]
-pub fn keeps_outside<R: Real>(outer: R, start: &Phase<R>, end: &Phase<R>) -> bool {
-    let zero = R::of(0.0);
-    (start.w < outer) & (end.w < outer) & ((start.v > zero) == (end.v > zero))
+pub fn keeps_outside<R: Real>(chart: &Chart, b: R, start: &Phase<R>, end: &Phase<R>) -> bool {
+    let (zero, outer) = (R::of(0.0), R::of(chart.outer));
+    chart.is_passed_by(b.value(), start.w.value())
+        | (start.w < outer) & (end.w < outer) & ((start.v > zero) == (end.v > zero))
 }
 
 /// A march.
@@ -136,11 +138,12 @@ impl<M: ConformallyFlat, S: OrbitStepper, R: Lane> Kernel for Stepping<M, S, R> 
 
     #[inline(always)]
     fn run(&self, flight: &CurvedFlight<R>, (): &()) -> CurvedMove<R> {
-        let Held { medium, control, outer } = &self.held;
+        let Held { medium, control, chart } = &self.held;
         let step = self.stepper.step(medium, flight.b, flight.phase(), flight.h);
         let arc = fit_arc(&step);
         // Steps that no search follows need not be followed closely.
-        let arc_error = if keeps_outside(*outer, &step.start, &step.end) { R::of(0.0) } else { arc.error };
+        let searched = !keeps_outside(chart, step.b, &step.start, &step.end);
+        let arc_error = if searched { arc.error } else { R::of(0.0) };
         let verdict = self.stepper.judge(control, &step, arc_error, flight.error);
         let StepVerdict { accepted, next_h, error } = control.at_seam(medium, &step, verdict);
         let ([middle_x, middle_y], [end_x, end_y]) = (arc.middle, arc.end);

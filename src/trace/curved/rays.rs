@@ -57,7 +57,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M>> Curved<M, R, W> {
     #[inline(always)]
     pub fn is_searched(&self, flight: &CurvedFlight<R>, step: &CurvedMove<R>) -> bool {
         let end = Phase { w: step.w, v: step.v, pull: step.pull };
-        step.accepted & !keeps_outside(R::of(self.chart.outer), &flight.phase(), &end)
+        step.accepted & !keeps_outside(&self.chart, flight.b, &flight.phase(), &end)
     }
 
     /// A length of at most `h` for the next step: from afar, rays go to the geometry's edge in one step, and on their way

@@ -77,6 +77,7 @@ pub fn march<F: IndexField>(
         | StepperKind::Rk4
         | StepperKind::Leapfrog4
         | StepperKind::Series
+        | StepperKind::Quadrature
         | StepperKind::Rk4Paper => Box::new(FieldStepping { field, stepper: Rkn6, control, traps }),
     }
 }

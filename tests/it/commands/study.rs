@@ -198,7 +198,7 @@ fn rays_without_ends_are_compared_with_a_reference() {
     let (rows, _) = ray_rows(&place, RAYS, &[]);
     let count = |column: &str, value: &str| rows.iter().filter(|row| row.text(column) == value).count();
     // Eleven decades, of which f32 has three, with every stepper but the paper's.
-    assert_eq!((rows.len(), count("precision", "f32"), count("stepper", "rk4-paper")), (112, 24, 0));
+    assert_eq!((rows.len(), count("precision", "f32"), count("stepper", "rk4-paper")), (126, 27, 0));
     for row in &rows {
         assert_eq!((row.number("rays"), row.number("compared"), row.number("differ")), (3.0, 2.0, 0.0));
         assert!(row.number("worst_over_tolerance") < 1.0, "{row:?}");

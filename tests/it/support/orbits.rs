@@ -26,7 +26,7 @@ macro_rules! with_every_stepper {
                 $body;
             })*
             // Know no orbits of these spacetimes.
-            StepperKind::Series | StepperKind::Rk4Paper => {}
+            StepperKind::Series | StepperKind::Quadrature | StepperKind::Rk4Paper => {}
         }
     };
 }
