@@ -18,6 +18,8 @@ pub struct Job<'a> {
     pub sampler: Sampler,
     /// Dielectrics around the camera.
     pub media: Media,
+    /// True if textures or vertex colours vary a material.
+    pub has_maps: bool,
     /// True if there are surfaces that rays may pass through.
     pub has_passages: bool,
     /// True if there is glass that absorbs.
@@ -37,8 +39,9 @@ impl<'a> Job<'a> {
         };
         let camera = &scene.camera;
         let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
+        let has_maps = scene.materials.iter().any(|material| !material.maps.is_empty());
         let has_passages = scene.materials.iter().any(|material| material.opacity.is_some());
         let absorbs = scene.materials.iter().any(|material| material.attenuation != Vec3::ZERO);
-        Self { scene, settings, sampler, media, has_passages, absorbs, illumination: None, halt }
+        Self { scene, settings, sampler, media, has_maps, has_passages, absorbs, illumination: None, halt }
     }
 }

@@ -89,9 +89,7 @@ impl Maps {
     /// True if the material is the same all over a surface.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        let Self { base_color, emission, normal, vertex_colors } = self;
-        let has_textures = base_color.is_some() | emission.is_some() | normal.is_some();
-        !has_textures && *vertex_colors == VertexColors::Nothing
+        *self == Self::default()
     }
 
     /// The same, but for what is a factor on emitted radiance.

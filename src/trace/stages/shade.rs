@@ -115,7 +115,11 @@ fn arrive<'a>(
     samples: &mut Samples,
 ) -> Option<(LitMeeting, Cow<'a, Material>)> {
     let mut meeting = meet(job.scene, landing, path.media);
-    let material = look_up(job.scene, landing, path.depth == 1, &mut meeting);
+    let material = if job.has_maps {
+        look_up(job.scene, landing, path.depth == 1, &mut meeting)
+    } else {
+        Cow::Borrowed(&job.scene.materials[meeting.surface.surface.material as usize])
+    };
     record_hit(path, landing, &meeting, &material, samples);
     emit(job, &meeting, &material, landing, vertex, path);
     let is_specular = material.is_specular();
