@@ -57,7 +57,7 @@ const BESIDE: [f64; 2] = [1e-11, 1e-5];
 const FIRST_BESIDE: f64 = 1e-7;
 /// That angle over the distance from the origin, relative to that of the target from the start.
 const ROUNDING: f64 = 1e-9;
-/// Distance of rays beside each other at the target, relative to that of the target, or radians: so small that their
+/// Distance of rays beside each other at the target at most, relative to that of the target, or radians: so small that their
 /// derivatives hardly change, so large that rounding hardly shows.
 const APART: f64 = 1e-5;
 /// Rays that stand for one and its derivatives.
@@ -134,7 +134,7 @@ struct FieldShot {
     passage: u32,
     /// Change of its direction that would let it hit, to first order.
     correction: DVec3,
-    /// Angle to rays beside it that are well [`APART`] at the target.
+    /// Angle to rays beside it, no larger than it was, at which they are no farther than [`APART`] at the target.
     beside: f64,
 }
 
@@ -183,7 +183,7 @@ fn shoot(
         FieldTarget::Infinity(_) => 1.0,
     };
     let rate = rates.x_axis.length().max(rates.y_axis.length());
-    let beside = (APART * whole / rate).clamp(BESIDE[0], BESIDE[1]);
+    let beside = (APART * whole / rate).clamp(BESIDE[0], angle);
     (connection.miss.is_finite() && correction.is_finite()).then_some(FieldShot {
         connection,
         passage,

@@ -1,7 +1,5 @@
 //! Light sampling among several holes and through lenses: regions have the densities that are said of them, and pictures
-//! are those that rays show that nothing aims; lights that are points light as small balls do, and as past one hole.
-
-use std::f64::consts::PI;
+//! are those that rays show that nothing aims; lights that are points light as past one hole.
 
 use glam::{DVec3, Vec3};
 
@@ -103,23 +101,6 @@ fn rooms_with_several_holes_or_lenses_look_the_same_with_and_without_light_sampl
 #[ignore = "so little noise takes half an hour: cargo test --release --test it field_lights -- --ignored --nocapture"]
 fn rooms_with_several_holes_or_lenses_look_the_same_to_a_few_permille() {
     random_rooms(12, 2000);
-}
-
-#[test]
-fn a_point_light_among_several_holes_lights_as_a_small_ball_does() {
-    // Behind the camera, which does not see the ball. That light arrives by all ways is shown without noise in `field_flux`.
-    let (place, radius) = (DVec3::new(5.3, 5.3, 4.0), 0.15);
-    let mut scene = grey_room("");
-    put_holes(&mut scene, &HOLES);
-    // As bright: radiance 1/πr² in the frame at rest there, of lengths U times those of the chart.
-    let potential = SeveralHoles::new(&HOLES).potential(place);
-    let intensity = Vec3::splat((radius * radius * potential * potential * 180.0 * PI) as f32);
-    scene.punctual = vec![Punctual::Point { position: place, intensity }];
-    let point = picture(&mut scene, Geodesic, 512, 1);
-    let mut scene = grey_room(&(material("light", 0.0, 180.0) + &sphere(place, radius, "light")));
-    put_holes(&mut scene, &HOLES);
-    let ball = picture(&mut scene, Geodesic, 512, 2);
-    Agreement::of(&point, &ball).check("a point and a ball");
 }
 
 #[test]
