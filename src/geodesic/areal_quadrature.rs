@@ -59,7 +59,7 @@ pub struct Passage {
 
 /// Ray from its start to its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Followed {
+pub struct ArealJourney {
     /// Its way to the sphere; `None` if it never crosses that outwards.
     pub passage: Option<Passage>,
     /// Inverse isotropic radius of the point nearest to the centre, if the ray passes one.
@@ -104,14 +104,14 @@ impl ArealQuadrature {
     }
 
     /// Follows a ray until it crosses the sphere of inverse isotropic radius `w_out`, not 0, outwards.
-    pub fn follow(&self, launch: &Launch, w_out: f64) -> Followed {
+    pub fn follow(&self, launch: &Launch, w_out: f64) -> ArealJourney {
         let inwards = launch.v > 0.0;
-        let mut followed = Followed { passage: None, periastron: None };
+        let mut followed = ArealJourney { passage: None, periastron: None };
         if (inwards && launch.fate == Fate::Falls) || (!inwards && launch.w < w_out) {
             return followed;
         }
         let n = (launch.v * launch.v + (launch.b * launch.w).powi(2)).sqrt();
-        let start = Start { b: launch.b, cosine: -launch.v / n, grazing: n / launch.w };
+        let start = OrbitStart { b: launch.b, cosine: -launch.v / n, grazing: n / launch.w };
         let [from, to] = [launch.w, w_out].map(|w| self.place(w));
         if launch.b < self.critical {
             followed.passage = Some(self.pass(&start, from, to));
@@ -158,12 +158,12 @@ impl ArealQuadrature {
     }
 
     /// The passage of a ray that does not turn.
-    fn pass(&self, start: &Start, from: Place, to: Place) -> Passage {
-        let &Start { b, cosine, grazing } = start;
+    fn pass(&self, start: &OrbitStart, from: Place, to: Place) -> Passage {
+        let &OrbitStart { b, cosine, grazing } = start;
         let (per_mass, beta) = (b / self.mass, (b / self.mass).powi(2));
         let apart = self.barrier * (self.critical - b) * (self.critical + b) / (b * b * self.bow[0]);
         let delta = apart.sqrt().min(FARTHEST[1]);
-        let straight = Straight { beta, e2: self.e2, circle: self.circle };
+        let straight = MonotoneIntegrand { beta, e2: self.e2, circle: self.circle };
         let (low, high) = (to.u - self.circle, from.u - self.circle);
         let [angle, slope, late] = integral(delta, low, high, from.u - to.u, &straight);
         Passage {
@@ -176,8 +176,8 @@ impl ArealQuadrature {
 
     /// The passage of a ray with a turning point on its orbit, on the way from which or before which it crosses its
     /// sphere.
-    fn swing(&self, turn: &Turn, start: &Start, from: Place, to: Place) -> Passage {
-        let &Start { b, cosine, grazing } = start;
+    fn swing(&self, turn: &Turn, start: &OrbitStart, from: Place, to: Place) -> Passage {
+        let &OrbitStart { b, cosine, grazing } = start;
         let beta_root = b / self.mass;
         let per_sine = beta_root * turn.u;
         let begins = turn.gap(from.u);
@@ -195,8 +195,9 @@ impl ArealQuadrature {
         if first == end {
             return Passage { swept: 0.0, turn: 0.0, cosine, time: 0.0 };
         }
-        let over =
-            |low: f64, high: f64| integral(turn.delta, low, high, high - low, &Swing { turn, per_sine });
+        let over = |low: f64, high: f64| {
+            integral(turn.delta, low, high, high - low, &TurningIntegrand { turn, per_sine })
+        };
         // |f| has a kink where the ray turns.
         let turns = first < 0.0 && end > 0.0;
         let [swept, slope, late] = if turns {
@@ -232,8 +233,8 @@ struct Place {
     rho: f64,
 }
 
-/// Start of a ray.
-struct Start {
+/// Start of a ray on its orbit.
+struct OrbitStart {
     b: f64,
     /// Cosine of the angle between direction and radius.
     cosine: f64,
@@ -328,13 +329,13 @@ trait Integrand {
 }
 
 /// Integrand over û less that of the photon sphere.
-struct Straight {
+struct MonotoneIntegrand {
     beta: f64,
     e2: f64,
     circle: f64,
 }
 
-impl Integrand for Straight {
+impl Integrand for MonotoneIntegrand {
     #[inline(always)]
     fn at(&self, x: f64) -> [f64; 3] {
         let u = self.circle + x;
@@ -345,13 +346,13 @@ impl Integrand for Straight {
 }
 
 /// Integrand over a.
-struct Swing<'a> {
+struct TurningIntegrand<'a> {
     turn: &'a Turn,
     /// √β û_t.
     per_sine: f64,
 }
 
-impl Integrand for Swing<'_> {
+impl Integrand for TurningIntegrand<'_> {
     #[inline(always)]
     fn at(&self, a: f64) -> [f64; 3] {
         let &Turn { u, side, e2, .. } = self.turn;
@@ -374,7 +375,7 @@ impl Integrand for Swing<'_> {
 /// Integrals over x from `low`, a `gap` below `high`; δ is the distance of singularities from x = 0.
 fn integral<F: Integrand>(delta: f64, low: f64, high: f64, gap: f64, f: &F) -> [f64; 3] {
     if gap < FEW * delta {
-        return kernel::widest(Sums(Even { middle: 0.5 * (low + high), half: 0.5 * gap, f }));
+        return kernel::widest(PanelSums(Even { middle: 0.5 * (low + high), half: 0.5 * gap, f }));
     }
     let exp_arsinh = |x: f64| {
         let larger = x.abs() + (1.0 + x * x).sqrt();
@@ -389,7 +390,7 @@ fn integral<F: Integrand>(delta: f64, low: f64, high: f64, gap: f64, f: &F) -> [
         let from_middle = (2 * panel + 1) as f64 - panels;
         let middle = if from_middle == 0.0 { middle } else { middle * libm::exp(from_middle * half) };
         let middle = [middle, 1.0 / middle];
-        let part = kernel::widest(Sums(Stretched { delta, middle, half, f }));
+        let part = kernel::widest(PanelSums(Stretched { delta, middle, half, f }));
         for i in 0..3 {
             sums[i] += part[i];
         }
@@ -439,9 +440,9 @@ impl<F: Integrand> Panel for Stretched<'_, F> {
 }
 
 /// Sums over the nodes of a panel.
-struct Sums<P>(P);
+struct PanelSums<P>(P);
 
-impl<P: Panel> pulp::NullaryFnOnce for Sums<P> {
+impl<P: Panel> pulp::NullaryFnOnce for PanelSums<P> {
     type Output = [f64; 3];
 
     #[inline(always)]

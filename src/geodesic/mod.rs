@@ -27,7 +27,7 @@ mod stepper;
 mod time;
 
 pub use arc::{Arc, PlaneArc, fit_arc};
-pub use areal_quadrature::{ArealQuadrature, Followed, Passage};
+pub use areal_quadrature::{ArealJourney, ArealQuadrature, Passage};
 pub use areal_series::ArealSeries;
 pub use control::{Control, StepVerdict};
 pub use dop853::Dop853;

@@ -11,8 +11,8 @@ use super::super::table::Cell;
 use super::table_form::other_chart;
 use super::{Accuracy, Arrival, Cells, FreeRayEnd, SphereCrossing, TableForm, Traced};
 use crate::geodesic::{
-    ArealQuadrature, ArealSeries, Control, Followed, Launch, OrbitEnd, OrbitStepper, Passage, Phase, Stepper,
-    UsePowers, elapsed, follow, with_powers,
+    ArealJourney, ArealQuadrature, ArealSeries, Control, Launch, OrbitEnd, OrbitStepper, Passage, Phase,
+    Stepper, UsePowers, elapsed, follow, with_powers,
 };
 use crate::math::cross_exact;
 use crate::math::dual::Dual;
@@ -385,7 +385,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
                 let tilt = (outwards.value * across.slope - across.value * outwards.slope)
                     / (across.value.squared() + outwards.value.squared());
                 let (v, swept, turn) = (phase.v.value(), swept.value(), swept.slope.value());
-                let landing = Landing { v, swept, turn, tilt: tilt.value(), time };
+                let landing = SphereArrival { v, swept, turn, tilt: tilt.value(), time };
                 Some(self.crossing(&landing, w_out))
             }
             _ => None,
@@ -399,12 +399,12 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
     fn integrated(&self, hole: &StaticHole) -> Exit {
         let Self { medium, launch, .. } = self;
         let w = self.w_out();
-        let Followed { passage, periastron } = ArealQuadrature::new(hole).follow(launch, w);
+        let ArealJourney { passage, periastron } = ArealQuadrature::new(hole).follow(launch, w);
         let crossing = passage.map(|Passage { swept, turn, cosine, time }| {
             let n = medium.index(w);
             // b = n sin η/w at the end, at the angle η from the radius, and b = n sin α/w at the start.
             let tilt = -launch.v * w / (launch.w * n * cosine);
-            self.crossing(&Landing { v: -n * cosine, swept, turn, tilt, time }, w)
+            self.crossing(&SphereArrival { v: -n * cosine, swept, turn, tilt, time }, w)
         });
         let status = match (&crossing, launch.fate) {
             (Some(_), _) => FreeRayEnd::Escaped,
@@ -428,9 +428,9 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
         }
     }
 
-    fn crossing(&self, landing: &Landing, w: f64) -> Crossing {
+    fn crossing(&self, landing: &SphereArrival, w: f64) -> Crossing {
         let Self { medium, launch, .. } = self;
-        let &Landing { v, swept, turn, tilt, time } = landing;
+        let &SphereArrival { v, swept, turn, tilt, time } = landing;
         let (position, direction) = launch.place(w, v, swept);
         let n2 = |x: DVec3| medium.index_squared(1.0 / x.length());
         let there = n2(position);
@@ -450,7 +450,7 @@ impl<M: ConformallyFlat> Orbit<'_, M> {
 }
 
 /// State of a ray where it crosses its sphere, in the plane of its orbit.
-struct Landing {
+struct SphereArrival {
     /// dw/dψ.
     v: f64,
     /// Angle swept, radians.
