@@ -192,7 +192,7 @@ impl Bsdf for Principled {
 
 /// Parts that are chosen among.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Part {
+enum LobePart {
     Coat,
     Sheen,
     Specular,
@@ -213,10 +213,10 @@ struct Layers {
     /// Interface that light goes through, and a factor on what it scatters.
     interface: Option<(f32, Interface)>,
     /// Probabilities of the parts.
-    chances: [f64; Part::ALL.len()],
+    chances: [f64; LobePart::ALL.len()],
 }
 
-impl Part {
+impl LobePart {
     const ALL: [Self; 5] = [Self::Coat, Self::Sheen, Self::Specular, Self::Diffuse, Self::Interface];
 }
 
@@ -275,7 +275,7 @@ impl Layers {
     }
 
     #[inline(always)]
-    fn chance(&self, part: Part) -> f64 {
+    fn chance(&self, part: LobePart) -> f64 {
         self.chances[part as usize]
     }
 
@@ -303,7 +303,7 @@ impl Layers {
     fn towards(&self, wo: DVec3, side: i8) -> Response {
         let wi = self.wi;
         let mut sum = Response::default();
-        let mut add = |part: Part, factor: f32, Response { bsdf, density }: Response| {
+        let mut add = |part: LobePart, factor: f32, Response { bsdf, density }: Response| {
             sum.bsdf += factor * bsdf;
             sum.density += self.chance(part) * density;
         };
@@ -316,21 +316,21 @@ impl Layers {
         } else {
             let h = (wi + wo).normalize();
             if let Some(coat) = &self.coat {
-                add(Part::Coat, 1.0, coat.evaluate(wi, wo, h));
+                add(LobePart::Coat, 1.0, coat.evaluate(wi, wo, h));
             }
             if let Some(sheen) = &self.sheen {
                 let (response, leaves) = sheen.evaluate(wi, wo);
-                add(Part::Sheen, beneath, response);
+                add(LobePart::Sheen, beneath, response);
                 beneath *= leaves as f32;
             }
-            add(Part::Specular, beneath, self.specular.evaluate(wi, wo, h));
+            add(LobePart::Specular, beneath, self.specular.evaluate(wi, wo, h));
             let density = wo.z / PI;
             let passes = self.specular.transmittance(wi.dot(h));
             let bsdf = self.diffuse * (passes * density as f32);
-            add(Part::Diffuse, beneath, Response { bsdf, density });
+            add(LobePart::Diffuse, beneath, Response { bsdf, density });
         }
         if let Some((share, interface)) = &self.interface {
-            add(Part::Interface, beneath * share, interface.evaluate(wi, wo));
+            add(LobePart::Interface, beneath * share, interface.evaluate(wi, wo));
         }
         sum
     }
@@ -346,18 +346,18 @@ impl Layers {
             Bounce { direction, weight: weight / chance, density: 0.0, crosses: false }
         };
         let wo = match part {
-            Part::Coat => match &self.coat {
+            LobePart::Coat => match &self.coat {
                 Some(Coat { ggx: Some(ggx), .. }) => ggx.sample_reflection(wi, u, v),
                 Some(coat) => return mirrored(Vec3::splat(coat.reflectance)),
                 None => None,
             },
-            Part::Sheen => Some(Sheen::sample(u, v)),
-            Part::Specular => match &self.specular {
+            LobePart::Sheen => Some(Sheen::sample(u, v)),
+            LobePart::Specular => match &self.specular {
                 Specular { ggx: Some(ggx), .. } => ggx.sample_reflection(wi, u, v),
                 specular => return mirrored(under_sheen * specular.reflectance(wi.z)),
             },
-            Part::Diffuse => Some(sample_cosine(DVec3::Z, u, v)),
-            Part::Interface => match &self.interface {
+            LobePart::Diffuse => Some(sample_cosine(DVec3::Z, u, v)),
+            LobePart::Interface => match &self.interface {
                 Some((share, interface)) if interface.is_smooth() => {
                     let (direction, crosses) = interface.pass(incidence, self.frame.z, choice);
                     let weight = (under_sheen * share / chance) * interface.colour(crosses);
@@ -379,9 +379,9 @@ impl Layers {
 
     /// A part, and what is left of the number in [0, 1) that chose it; `None` if nothing scatters.
     #[inline(always)]
-    fn choose(&self, number: f64) -> Option<(Part, f64)> {
+    fn choose(&self, number: f64) -> Option<(LobePart, f64)> {
         let (mut rest, mut chosen) = (number, None);
-        for part in Part::ALL {
+        for part in LobePart::ALL {
             let chance = self.chance(part);
             if chance > 0.0 {
                 chosen = Some((part, (rest / chance).min(1f64.next_down())));
