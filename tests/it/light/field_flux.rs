@@ -94,7 +94,7 @@ impl Shadow {
     fn check(&self, what: &str, scale: f64, exact: f64) -> [f64; 2] {
         let text = camera(DVec3::ONE, DVec3::ZERO, 85.0) + &film(4, 4);
         let Baked { geometry, materials, environment, .. } = scene_with(&text, &[]);
-        let lights = Lights::new(&geometry, &materials, &environment, &[self.light], 0.1);
+        let lights = Lights::new(&geometry, (&materials, &[]), &environment, &[self.light], 0.1);
         let sampler = FieldRegions::new(self.field.clone(), RADIUS, 1);
         let mut random = Random::new(1);
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -105,7 +105,8 @@ impl Shadow {
                     break place;
                 }
             };
-            let receiver = Receiver { position, normal: -position / RADIUS, on: PrimitiveId::NONE };
+            let receiver =
+                Receiver { position, normal: -position / RADIUS, both_sides: false, on: PrimitiveId::NONE };
             let numbers = [(); 2].map(|()| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
             let Incoming::Irradiance(irradiance) = sample.light else { panic!("{:?}", sample.light) };
