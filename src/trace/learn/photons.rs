@@ -159,7 +159,8 @@ impl Shower<'_> {
             }
         }
         let mut meeting = meet(self.scene, landing, media);
-        let material = look_up(self.scene, landing, false, &mut meeting);
+        let varied = look_up(self.scene, landing, false, &mut meeting);
+        let material = varied.as_ref().unwrap_or(meeting.material(self.scene));
         let incidence = meeting.incidence(landing.direction);
         path.add(meeting.surface.surface.entity);
         if !material.is_specular() {

@@ -74,12 +74,13 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let mut meeting = meet(scene, &landing, path.media);
-        let material = look_up(scene, &landing, false, &mut meeting);
+        let varied = look_up(scene, &landing, false, &mut meeting);
+        let material = varied.as_ref().unwrap_or(meeting.material(scene));
         if material.emits() {
             met.push((meeting.primitive, meeting.surface.normal));
         }
         let Numbers { ray: numbers, .. } = Numbers::draw(job, &path);
-        let Some(bounce) = scatter(job, &mut path, (&meeting, &material), landing.direction, numbers) else {
+        let Some(bounce) = scatter(job, &mut path, (&meeting, material), landing.direction, numbers) else {
             return met;
         };
         let Landing { position, primitive: origin_prim, .. } = landing;

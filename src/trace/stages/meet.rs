@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::transport::Landing;
 use crate::geometry::{PrimitiveId, SurfacePoint};
 use crate::scene::Baked;
-use crate::shade::{Bounce, Incidence, InterfaceCrossing, Media, relative_index};
+use crate::shade::{Bounce, Incidence, InterfaceCrossing, Material, Media, relative_index};
 
 /// Surface that a path meets where it lands.
 pub struct Meeting {
@@ -36,6 +36,12 @@ impl Meeting {
     #[inline(always)]
     pub fn incidence(&self, direction: DVec3) -> Incidence {
         Incidence::new(direction, self.surface.normal, self.surface.shading_normal, self.eta)
+    }
+
+    /// Material of the surface, as it is all over.
+    #[inline(always)]
+    pub fn material<'a>(&self, scene: &'a Baked) -> &'a Material {
+        &scene.materials[self.surface.surface.material as usize]
     }
 
     /// Dielectrics around a path in `media` after a bounce.

@@ -1,7 +1,5 @@
 //! Shading of landings: surfaces are looked up, recorded, gathered from, and scattered at.
 
-use std::borrow::Cow;
-
 use glam::{DVec3, Vec3};
 
 use super::super::job::Job;
@@ -31,7 +29,8 @@ pub fn shade(
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
-    let (arrival, material) = arrive(job, path, vertex, landing, numbers, samples)?;
+    let mut varied = None;
+    let (arrival, material) = arrive(job, path, vertex, landing, numbers, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let response = match &arrival.light {
         Some(light) => lobe.evaluate(&incidence, light.direction),
@@ -64,13 +63,13 @@ impl Shading {
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
         let Self { arrivals, hits } = self;
-        let mut free = Vertex::default();
+        let (mut free, mut varied) = (Vertex::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
             arrivals.clear();
             for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
-                match arrive(job, path, vertex, landing, &numbers, samples) {
+                match arrive(job, path, vertex, landing, &numbers, (samples, &mut varied)) {
                     Some((arrival, material)) => {
                         let incidence = arrival.meeting.incidence(landing.direction);
                         let out = arrival.light.as_ref().map_or(DVec3::ZERO, |light| light.direction);
@@ -103,8 +102,8 @@ struct LitMeeting {
     light: Option<LightSample>,
 }
 
-/// Looks up and records the surface that a path landed on with its material, gathers what it emits, and chooses light that may come to
-/// it; `None` if the path ends here.
+/// Looks up and records the surface that a path landed on with its material, which is `varied` where textures vary it,
+/// gathers what it emits, and chooses light that may come to it; `None` if the path ends here.
 #[inline(always)]
 fn arrive<'a>(
     job: &Job<'a>,
@@ -112,16 +111,15 @@ fn arrive<'a>(
     vertex: &Vertex,
     landing: &Landing,
     numbers: &Numbers,
-    samples: &mut Samples,
-) -> Option<(LitMeeting, Cow<'a, Material>)> {
+    (samples, varied): (&mut Samples, &'a mut Option<Material>),
+) -> Option<(LitMeeting, &'a Material)> {
     let mut meeting = meet(job.scene, landing, path.media);
-    let material = if job.has_maps {
-        look_up(job.scene, landing, path.depth == 1, &mut meeting)
-    } else {
-        Cow::Borrowed(&job.scene.materials[meeting.surface.surface.material as usize])
-    };
-    record_hit(path, landing, &meeting, &material, samples);
-    emit(job, &meeting, &material, landing, vertex, path);
+    if job.has_maps {
+        *varied = look_up(job.scene, landing, path.depth == 1, &mut meeting);
+    }
+    let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
+    record_hit(path, landing, &meeting, material, samples);
+    emit(job, &meeting, material, landing, vertex, path);
     let is_specular = material.is_specular();
     match path.gathers {
         Gathers::Lamps if !is_specular => return None,
@@ -132,7 +130,7 @@ fn arrive<'a>(
     let light = job.illumination.as_ref().and_then(|illumination| {
         let normal = meeting.incidence(landing.direction).normal;
         let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
-        propose(job, illumination, path, &material, &receiver, numbers.light)
+        propose(job, illumination, path, material, &receiver, numbers.light)
     });
     Some((LitMeeting { meeting, is_specular, both_sides, light }, material))
 }
