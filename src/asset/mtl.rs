@@ -260,18 +260,19 @@ impl Converter<'_> {
         let is_layered = LAYERS.iter().any(|key| number(material, key).is_some());
         let is_mirror =
             matches!(material.illumination_model, Some(3 | 5)) && specular.cmpgt(Vec3::ZERO).any();
+        let (lobe, base_color, opacity) = if is_glass {
+            (glass(material), None, None)
+        } else if is_mirror && !is_layered {
+            (Lobe::Mirror(Mirror { reflectance: self.unit(specular) }), None, None)
+        } else {
+            let (albedo, map) = self.base_color(material);
+            let diffuse = Lobe::Diffuse(Diffuse { albedo });
+            let lobe = if is_layered { layered(material, albedo) } else { diffuse };
+            (lobe, map, self.opacity(material))
+        };
         let (emission, emission_map) = self.emission(material);
-        let maps = Maps { emission: emission_map, ..Maps::default() };
-        let plain = |lobe| Material { lobe, emission, maps, ..Material::default() };
-        if is_glass {
-            return plain(glass(material));
-        }
-        if is_mirror && !is_layered {
-            return plain(Lobe::Mirror(Mirror { reflectance: self.unit(specular) }));
-        }
-        let (base, base_color) = self.base_color(material);
-        let lobe = if is_layered { layered(material, base) } else { Lobe::Diffuse(Diffuse { albedo: base }) };
-        Material { maps: Maps { base_color, ..maps }, opacity: self.opacity(material), ..plain(lobe) }
+        let maps = Maps { base_color, emission: emission_map, ..Maps::default() };
+        Material { lobe, emission, maps, opacity, ..Material::default() }
     }
 
     /// Colour `Kd` and its texture; either may be missing.
@@ -487,7 +488,7 @@ mod tests {
     #[test]
     fn roughness_metal_coat_and_sheen_make_a_principled_material() {
         let base = Vec3::new(0.1, 0.2, 0.3);
-        let plain = Principled { base, roughness: 0.5, ..Principled::PLAIN };
+        let plain = Principled { base, roughness: 0.5, sheen_roughness: 0.5, ..Principled::PLAIN };
         let coated = Principled { clearcoat: 1.0, clearcoat_roughness: 0.03, ..plain };
         let cloth = Principled { sheen_color: Vec3::splat(0.4), sheen_roughness: 0.5, ..plain };
         let frosted =

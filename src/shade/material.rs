@@ -56,7 +56,7 @@ impl Material {
         let thickness = |FilmMap { texture, range: [least, most] }: FilmMap| {
             least + (most - least) * look(Some(texture)).y
         };
-        let anisotropy = maps.anisotropy.map_or((1.0, DVec3::ZERO), |map| anisotropy(&map, point, look));
+        let anisotropy = maps.anisotropy.map_or((1.0, None), |map| anisotropy(&map, point, look));
         let variation = Variation {
             color: base_color.truncate(),
             metallic: mr.z,
@@ -154,7 +154,7 @@ fn anisotropy(
     map: &AnisotropyMap,
     point: &MeshPoint,
     look: impl Fn(Option<TextureId>) -> Vec4,
-) -> (f32, DVec3) {
+) -> (f32, Option<DVec3>) {
     let AnisotropyMap { texture, rotation: [sin, cos] } = *map;
     let (direction, strength) = match texture {
         Some(_) => {
@@ -164,8 +164,7 @@ fn anisotropy(
         None => (Vec2::X, 1.0),
     };
     let turned = Vec2::new(cos, sin).rotate(direction);
-    let tangent = point.from_tangent_space([turned.x.into(), turned.y.into(), 0.0]);
-    (strength, tangent.unwrap_or(DVec3::ZERO))
+    (strength, point.from_tangent_space([turned.x.into(), turned.y.into(), 0.0]))
 }
 
 /// Index of refraction of what light goes into through faces of `materials`, relative to that of what it comes from.

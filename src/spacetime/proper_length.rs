@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn along_the_principal_direction_of_a_hole_space_is_stretched_by_its_potential() {
         // Without spin F = 2M/r, N is radial, and dl = dr/√(1 − 2M/r); across it nothing is stretched.
-        let (placement, hole) = (Placement::from(DVec3::ZERO), KerrNewman::new(0.5, 0.0, 0.0));
+        let (placement, hole) = (Placement::from(DVec3::ZERO), KerrNewman::new(1.0, 0.0, 0.0));
         let hole = SpacetimeKind::Spinning { placement, hole };
         let at = DVec3::new(0.0, 4.0, 0.0);
         let length = |dx| hole.proper_length(Side::Near, at, dx);

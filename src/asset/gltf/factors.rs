@@ -1,6 +1,6 @@
 //! Numbers of a glTF material and its extensions.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::shade::{Principled, attenuation};
 
@@ -38,7 +38,6 @@ impl<'a> Factors<'a> {
             metallic: self.clamped(pbr.metallic_factor(), UNIT, 1.0),
             roughness: self.clamped(pbr.roughness_factor(), UNIT, 1.0),
             anisotropy: self.number("KHR_materials_anisotropy", "anisotropyStrength", 0.0, UNIT),
-            tangent: DVec3::ZERO,
             ior: self.clamped(ior, (1.0, MOST_IOR), DEFAULT_IOR),
             specular: self.number("KHR_materials_specular", "specularFactor", 1.0, UNIT),
             specular_color: self.colour("KHR_materials_specular", "specularColorFactor", Vec3::ONE, f32::MAX),

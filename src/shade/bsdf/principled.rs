@@ -160,7 +160,7 @@ impl Bsdf for Principled {
             metallic: self.metallic * by.metallic,
             roughness: self.roughness * by.roughness,
             anisotropy: self.anisotropy * by.anisotropy,
-            tangent: by.tangent,
+            tangent: by.tangent.unwrap_or(self.tangent),
             specular: self.specular * by.specular,
             specular_color: self.specular_color * by.specular_color,
             transmission: self.transmission * by.transmission,

@@ -31,6 +31,6 @@ pub struct Variation {
     pub film_thickness: Option<f32>,
     /// Of the strength of the anisotropy.
     pub anisotropy: f32,
-    /// Not a factor: direction of the anisotropy in the world; zero where nothing tells.
-    pub tangent: DVec3,
+    /// Not a factor: direction of the anisotropy in the world, where that is known.
+    pub tangent: Option<DVec3>,
 }
