@@ -5,18 +5,18 @@ mod buffers;
 mod container;
 mod empty;
 mod factors;
+mod instancing;
 mod light;
 mod maps;
 mod material;
 mod primitive;
 mod texture;
+mod transform;
 mod validate;
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::ops::RangeInclusive;
 use std::path::Path;
-
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::error::AssetError;
 use super::files::Files;
@@ -40,9 +40,8 @@ const MOST_PER_BYTE: usize = 64;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
 ///
-/// Textures of base colours and of emission are read. Other textures, animation, skins and
-/// instancing are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node
-/// without anything that is named `BlackHole` places a black hole.
+/// Animations and skins are not read, and what has no surface is left out; [`Model::warnings`] says where they were met.
+/// A node without anything that is named `BlackHole` places a black hole.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
@@ -70,6 +69,8 @@ struct GltfImport {
     size: usize,
     /// Index in the model of the material for primitives without one.
     default_material: Option<usize>,
+    /// Instances that the file may still have; `None` before it has any.
+    instances_left: Option<usize>,
     /// Degenerate triangles dropped.
     dropped: usize,
 }
@@ -119,7 +120,14 @@ impl GltfImport {
             }
             let node_at = |flaw: Flaw| flaw.at(format!("node `{name}`"));
             let converted = self.node(gltf, &node, parent, buffers).map_err(node_at)?;
-            self.model.nodes.push(converted);
+            let instances = self.instances(gltf, &node, &converted, index, buffers).map_err(node_at)?;
+            match instances {
+                None => self.model.nodes.push(converted),
+                Some(instances) => {
+                    self.model.nodes.push(ModelNode { parts: Vec::new(), ..converted });
+                    self.model.nodes.extend(instances);
+                }
+            }
             queue.extend(node.children().map(|child| (child, Some(index))));
         }
         Ok(())
@@ -141,7 +149,35 @@ impl GltfImport {
         let camera = node.camera().and_then(|camera| self.camera(gltf, &camera, &name));
         let light = node.light().map(|light| light::convert(&light, &mut self.notes)).transpose()?;
         let hole = empty::hole(node, &name, &mut self.notes)?;
-        Ok(ModelNode { to_parent: transform(node)?, name, parent, parts, camera, light, hole })
+        Ok(ModelNode { to_parent: transform::of_node(node)?, name, parent, parts, camera, light, hole })
+    }
+
+    /// Nodes below the one of index `parent`, one for each of its instances; `None` if it places its mesh itself.
+    fn instances(
+        &mut self,
+        gltf: &gltf::Gltf,
+        node: &gltf::Node,
+        converted: &ModelNode,
+        parent: usize,
+        buffers: &Buffers,
+    ) -> Result<Option<Vec<ModelNode>>, Flaw> {
+        if converted.parts.is_empty() || node.extension_value(instancing::EXTENSION).is_none() {
+            return Ok(None);
+        }
+        let left = *self.instances_left.get_or_insert_with(|| instancing::most(buffers));
+        let Some(placements) = instancing::placements(gltf, node, buffers, left)? else {
+            self.notes.add("instances without places are ignored, the mesh is placed once", &converted.name);
+            return Ok(None);
+        };
+        self.instances_left = Some(left - placements.len());
+        let instance = |(number, to_parent)| ModelNode {
+            name: format!("{}[{number}]", converted.name),
+            parent: Some(parent),
+            to_parent,
+            parts: converted.parts.clone(),
+            ..ModelNode::default()
+        };
+        Ok(Some(placements.into_iter().enumerate().map(instance).collect()))
     }
 
     /// Goes by the JSON, since the crate's `Camera::projection` panics on a camera without lens.
@@ -166,10 +202,7 @@ impl GltfImport {
         let extensions = node.extensions().into_iter().flat_map(|map| map.keys());
         for extension in extensions {
             let kind = match extension.as_str() {
-                "KHR_node_visibility" => continue,
-                "EXT_mesh_gpu_instancing" => {
-                    "instances (EXT_mesh_gpu_instancing) are ignored, the mesh is placed once".to_owned()
-                }
+                "KHR_node_visibility" | instancing::EXTENSION => continue,
                 other => format!("extension {other} is ignored, on node"),
             };
             self.notes.add(kind, name);
@@ -287,33 +320,6 @@ fn roots<'a>(gltf: &'a gltf::Gltf, notes: &mut Notes) -> Vec<gltf::Node<'a>> {
 
 fn name_of(node: &gltf::Node) -> String {
     node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned)
-}
-
-/// Node space → parent space.
-fn transform(node: &gltf::Node) -> Result<DAffine3, Flaw> {
-    let to_parent = match node.transform() {
-        gltf::scene::Transform::Matrix { matrix } => {
-            let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
-            DAffine3 { matrix3: DMat3::from_mat4(matrix), translation: matrix.w_axis.truncate() }
-        }
-        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let length = rotation.length();
-            if !(length.is_finite() && length > 0.0) {
-                return Err(Flaw::new("the rotation is not a quaternion", "export the file again"));
-            }
-            DAffine3::from_scale_rotation_translation(
-                DVec3::from(scale.map(f64::from)),
-                rotation / length,
-                DVec3::from(translation.map(f64::from)),
-            )
-        }
-    };
-    if to_parent.is_finite() {
-        Ok(to_parent)
-    } else {
-        Err(Flaw::new("the transform is not finite", "reset the node's transform and export again"))
-    }
 }
 
 #[cfg(test)]

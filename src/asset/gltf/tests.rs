@@ -10,6 +10,8 @@ use crate::asset::image::Encoding;
 use crate::light::Punctual;
 use crate::shade::{Dielectric, Diffuse, Lobe, Material, Principled};
 
+mod instancing;
+
 /// Bytes of the test buffer: four positions, four u16 indices, a sparse index, a sparse value.
 fn buffer() -> Vec<u8> {
     let positions = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
