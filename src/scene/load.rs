@@ -35,6 +35,8 @@ pub struct LoadOptions {
     pub camera: Option<String>,
     /// Factor on the lights of glTF files, from candela to W/sr and lux to W/m², instead of the scene's.
     pub light_scale: Option<f64>,
+    /// Moment of the animations of glTF files, seconds.
+    pub time: f64,
     /// Width and height of the picture instead of the scene's, pixels.
     pub size: Option<(usize, usize)>,
     /// Reads the scene's files.
@@ -99,7 +101,13 @@ fn build(
     let bare = source.on_disk.is_none().then_some(source.path);
     let mut world = populate::populate(
         file,
-        &AssetSource { folder, bare, files: &options.files, light_scale: options.light_scale },
+        &AssetSource {
+            folder,
+            bare,
+            files: &options.files,
+            light_scale: options.light_scale,
+            time: options.time,
+        },
     )?;
     check_memory(&world, &options.files.memory())?;
     if let Some(hole) = options.black_hole {

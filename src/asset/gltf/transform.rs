@@ -2,14 +2,20 @@
 
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
+use super::animation::Moment;
 use crate::asset::flaw::Flaw;
 
-/// Node space → parent space.
-pub(super) fn of_node(node: &gltf::Node) -> Result<DAffine3, Flaw> {
+/// Node space → parent space at a moment; a matrix cannot be animated.
+pub(super) fn of_node(node: &gltf::Node, moment: &Moment) -> Result<DAffine3, Flaw> {
     match node.transform() {
         gltf::scene::Transform::Matrix { matrix } => of_matrix(&matrix),
         gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
-            of_parts(translation, rotation, scale)
+            let index = node.index();
+            of_parts(
+                moment.translation(index).unwrap_or(translation),
+                moment.rotation(index).unwrap_or(rotation),
+                moment.scale(index).unwrap_or(scale),
+            )
         }
     }
 }
