@@ -22,7 +22,7 @@ pub struct Model {
 }
 
 /// A named place in the tree.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ModelNode {
     /// Name in the file.
     pub name: String,

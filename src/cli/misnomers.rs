@@ -100,7 +100,7 @@ const MISNOMERS: &[Misnomer] = &[
     does(
         "time-limit",
         "a limit of time is set with '--time-limit TIME', such as 90s, 5m or 1h30m",
-        "--time --timeout --timelimit --max-time --render-time --seconds --minutes --duration --limit --budget",
+        "--timeout --timelimit --max-time --render-time --seconds --minutes --duration --limit --budget",
     ),
     does(
         "noise",
@@ -171,8 +171,9 @@ const MISNOMERS: &[Misnomer] = &[
         "how rays are advanced is chosen with '--stepper NAME', how exactly with '--tolerance T'",
         "--method --solver --ode --rk4 --step --step-size --stepsize --dt --steps --max-steps",
     ),
-    nothing(
-        "a scene is one picture; animations are not read",
+    does(
+        "time",
+        "a scene is one picture; the moment of its animations is set with '--time SECONDS'",
         "-f -a -e --frame --frames --frame-start --frame-end --anim --animation --render-frame --render-anim --fps",
     ),
     nothing(

@@ -101,6 +101,9 @@ pub(super) struct ChangeArgs {
     /// Factor on the lights of glTF files, from candela to W/sr [default: light_scale in the scene file, or 1/683]
     #[arg(long, value_name = "X", value_parser = parse::bound, allow_hyphen_values = true)]
     light_scale: Option<f64>,
+    /// Moment of the animations of glTF files, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = parse::bound, allow_hyphen_values = true)]
+    time: f64,
 }
 
 impl ChangeArgs {
@@ -112,6 +115,7 @@ impl ChangeArgs {
             environment: self.environment.clone(),
             camera: self.camera.clone(),
             light_scale: self.light_scale,
+            time: self.time,
             size: None,
             files,
         }

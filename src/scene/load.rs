@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::baked::Baked;
 use super::bare_model::bare_scene;
+use super::components::MeshShape;
 use super::error::{Fault, SceneError, SourceText};
 use super::populate::AssetSource;
 use super::surroundings::{self, Surroundings};
@@ -17,6 +18,8 @@ use crate::spacetime::SpacetimeKind;
 
 /// Bytes that a triangle takes in the tree, while it is built.
 const TRIANGLE_BYTES: u64 = 160;
+/// Bytes that a triangle takes as a lamp, once for each of its mesh's instances.
+const LAMP_BYTES: u64 = 512;
 
 /// Options for loading a scene, beside its file.
 #[derive(Debug, Default)]
@@ -32,6 +35,8 @@ pub struct LoadOptions {
     pub camera: Option<String>,
     /// Factor on the lights of glTF files, from candela to W/sr and lux to W/m², instead of the scene's.
     pub light_scale: Option<f64>,
+    /// Moment of the animations of glTF files, seconds.
+    pub time: f64,
     /// Width and height of the picture instead of the scene's, pixels.
     pub size: Option<(usize, usize)>,
     /// Reads the scene's files.
@@ -96,7 +101,13 @@ fn build(
     let bare = source.on_disk.is_none().then_some(source.path);
     let mut world = populate::populate(
         file,
-        &AssetSource { folder, bare, files: &options.files, light_scale: options.light_scale },
+        &AssetSource {
+            folder,
+            bare,
+            files: &options.files,
+            light_scale: options.light_scale,
+            time: options.time,
+        },
     )?;
     check_memory(&world, &options.files.memory())?;
     if let Some(hole) = options.black_hole {
@@ -115,13 +126,21 @@ fn build(
     bake::bake(world, options.camera.as_deref())
 }
 
-/// Refuses meshes whose search tree would not fit.
+/// Refuses meshes whose search tree, and instances whose lamps would not fit.
 fn check_memory(world: &World, memory: &Memory) -> Result<(), Fault> {
-    let triangles: usize = world.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let needed = (triangles as u64).saturating_mul(TRIANGLE_BYTES);
-    memory
-        .check(format!("the search tree of {triangles} triangles"), needed)
-        .map_err(|flaw| Fault::whole(flaw.problem, flaw.help))
+    let check = |what: String, count: u64, bytes: u64| {
+        let checked = memory.check(what, count.saturating_mul(bytes));
+        checked.map_err(|flaw| Fault::whole(flaw.problem, flaw.help))
+    };
+    let triangles: u64 = world.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
+    check(format!("the search tree of {triangles} triangles"), triangles, TRIANGLE_BYTES)?;
+    let mut shapes = world.entities.query::<&MeshShape>();
+    let parts = shapes.iter().flat_map(|shape| &shape.0);
+    let lamps: u64 = parts
+        .filter(|(_, material)| world.material(*material).emits())
+        .filter_map(|(mesh, _)| Some(world.meshes.get(mesh.0 as usize)?.triangles.len() as u64))
+        .sum();
+    check(format!("the light of {lamps} triangles that emit"), lamps, LAMP_BYTES)
 }
 
 fn replace_spacetime(world: &mut World, [x, y, z, radius, spin]: [f64; 5]) -> Result<(), Fault> {

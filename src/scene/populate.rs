@@ -41,6 +41,8 @@ pub(super) struct AssetSource<'a> {
     pub files: &'a Files,
     /// Goes over `light_scale`.
     pub light_scale: Option<f64>,
+    /// Moment of the animations, seconds.
+    pub time: f64,
 }
 
 impl AssetSource<'_> {
@@ -361,7 +363,9 @@ fn spawn(
             check_format(path, format)?;
             let error_at = |error| Fault::Asset { span: path.span(), error };
             let path = source.path(path.get_ref());
-            world.spawn_model(&path, format, entity, overrides, source.files).map_err(error_at)?;
+            world
+                .spawn_model(&path, format, entity, overrides, (source.files, source.time))
+                .map_err(error_at)?;
         }
     }
     // The entity was spawned above, so inserting cannot fail.

@@ -42,6 +42,7 @@ impl SceneFolder {
                 bare: None,
                 files: &Default::default(),
                 light_scale: None,
+                time: 0.0,
             },
         )
         .unwrap();

@@ -121,7 +121,8 @@ impl World {
             || self.entities.query::<&LightShape>().iter().any(|light| light.0.emits())
     }
 
-    /// Spawns the nodes of a geometry file under `parent`; each file is read once.
+    /// Spawns the nodes of a geometry file, `time` seconds after its animations started, under `parent`; each file is read
+    /// once.
     ///
     /// The node `Lamp` is called `room/Lamp` if the scene file names the entity `room`, and `Lamp` if it has no name.
     pub fn spawn_model(
@@ -130,11 +131,11 @@ impl World {
         format: ModelFormat,
         parent: Entity,
         overrides: ModelOverrides,
-        files: &Files,
+        (files, time): (&Files, f64),
     ) -> Result<(), AssetError> {
         let loaded = match self.models.remove(path) {
             Some(loaded) => loaded,
-            None => self.read_model(path, format, files)?,
+            None => self.read_model(path, format, files, time)?,
         };
         let prefix = self.entities.get::<&Name>(parent).map(|name| name.0.clone()).unwrap_or_default();
         let mut changed = HashMap::new();
@@ -220,10 +221,11 @@ impl World {
         path: &Path,
         format: ModelFormat,
         files: &Files,
+        time: f64,
     ) -> Result<LoadedModel, AssetError> {
         let Model { mut meshes, mut materials, mut textures, nodes, mut warnings } = match format {
             ModelFormat::Obj => load_obj(path, files)?,
-            ModelFormat::Gltf => load_gltf(path, files)?,
+            ModelFormat::Gltf => load_gltf(path, files, time)?,
         };
         let loaded = LoadedModel {
             nodes,

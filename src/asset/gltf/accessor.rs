@@ -13,7 +13,7 @@ use crate::asset::flaw::Flaw;
 /// does not bound.
 const MAX_IMPLICIT: usize = 1 << 16;
 /// Zeros that stand for the elements of a column without buffer view; no element is longer.
-const ZEROS: [u8; 16] = [0; 16];
+const ZEROS: [u8; 64] = [0; 64];
 
 /// A column of elements in the bytes of a file.
 pub(super) struct Column<'a> {
@@ -48,6 +48,14 @@ impl<'a> Column<'a> {
         let unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
         if accessor.dimensions() != Dimensions::Scalar || !unsigned {
             return Err(damaged(accessor.index(), "does not hold indices"));
+        }
+        Self::open(accessor, buffers)
+    }
+
+    /// A column of 4 × 4 matrices.
+    pub fn of_matrices(accessor: &gltf::Accessor, buffers: &'a Buffers) -> Result<Self, Flaw> {
+        if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
+            return Err(damaged(accessor.index(), "does not hold matrices"));
         }
         Self::open(accessor, buffers)
     }
@@ -123,6 +131,12 @@ impl<'a> Column<'a> {
             Some(bytes) => component(bytes, self.kind, self.normalized),
             None => 1.0,
         })
+    }
+
+    /// A matrix by its columns.
+    pub fn matrix(&self, index: u32) -> [[f32; 4]; 4] {
+        let values = self.vector::<16>(index);
+        std::array::from_fn(|column| std::array::from_fn(|row| values[4 * column + row]))
     }
 
     /// All vertex indices.

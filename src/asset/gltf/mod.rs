@@ -1,58 +1,62 @@
 //! glTF 2.0 files, text and binary.
 
 mod accessor;
+mod animation;
 mod buffers;
 mod container;
+mod deform;
 mod empty;
 mod factors;
+mod instancing;
 mod light;
 mod maps;
 mod material;
+mod pose;
 mod primitive;
 mod texture;
+mod transform;
 mod validate;
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::ops::RangeInclusive;
 use std::path::Path;
+use std::rc::Rc;
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::DAffine3;
 
 use super::error::AssetError;
 use super::files::Files;
 use super::flaw::Flaw;
 use super::model::{Model, ModelCamera, ModelNode, Part};
 use super::notes::Notes;
+use animation::Moment;
 use buffers::Buffers;
+use deform::{MOST_TARGETS, MeshPose, PoseKey};
 use gltf::json::validation::Checked;
-use primitive::AskedFor;
+use pose::ScenePose;
+use primitive::{AskedFor, MOST_PER_BYTE, SMALL};
 use texture::Textures;
 
 use crate::shade::{Opacity, TextureId, VertexColors};
 
 /// Width over height of pictures that somebody may want.
 const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
-/// Bytes of surfaces that need no reason.
-const SMALL: usize = 1 << 20;
-/// Most bytes of surfaces per byte of the buffers: a triangle of three indices of a byte each, with its own three
-/// vertices, is 28 times as large here, with texture coordinates, colours and tangents 68 times.
-const MOST_PER_BYTE: usize = 128;
 
-/// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights.
+/// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights, `time` seconds
+/// after its animations started.
 ///
-/// Textures of base colours, normals and emission are read. Other textures, animation, skins and
-/// instancing are not read, and what has no surface is left out; [`Model::warnings`] says where they were met. A node
-/// without anything that is named `BlackHole` places a black hole.
+/// What has no surface is left out, as [`Model::warnings`] says. A node without anything that is named `BlackHole`
+/// places a black hole.
 ///
 /// # Errors
 /// The file or one of its buffers cannot be read, an index or a range is out of bounds, a node is its own ancestor,
 /// an extension without which the geometry is unknown is required, a vertex is not finite, or a light has a colour,
 /// an intensity or cone angles that make no sense.
-pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
+pub fn load(path: &Path, files: &Files, time: f64) -> Result<Model, AssetError> {
     let bytes = AssetError::read(path, files)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut import = GltfImport::default();
-    import.file(bytes, folder, files).map_err(|flaw| AssetError::content(path, flaw))?;
+    import.file(bytes, folder, files, time).map_err(|flaw| AssetError::content(path, flaw))?;
     import.model.warnings = import.notes.into_lines(&path.display().to_string());
     Ok(import.model)
 }
@@ -62,20 +66,28 @@ pub fn load(path: &Path, files: &Files) -> Result<Model, AssetError> {
 struct GltfImport {
     model: Model,
     notes: Notes,
-    /// Parts of each glTF mesh read so far, so that nodes share it.
-    parts: HashMap<usize, Vec<Part>>,
+    /// Parts of each glTF mesh read so far, by its pose, so that nodes share it.
+    parts: HashMap<(usize, PoseKey), Vec<Part>>,
+    /// Matrices of the joints of each skin read so far.
+    joints: HashMap<usize, Rc<[DAffine3]>>,
+    /// What animations make of the nodes.
+    moment: Moment,
+    /// Where nodes are, once a skin asks for it.
+    pose: Option<ScenePose>,
     /// Index in the model of each surface read so far, so that primitives share it; `None` if it has no area.
     surfaces: HashMap<primitive::SurfaceKey, Option<usize>>,
     /// Bytes of the surfaces read so far.
     size: usize,
     /// Index in the model of the material for primitives without one.
     default_material: Option<usize>,
+    /// Instances that the file may still have; `None` before it has any.
+    instances_left: Option<usize>,
     /// Degenerate triangles dropped.
     dropped: usize,
 }
 
 impl GltfImport {
-    fn file(&mut self, bytes: Vec<u8>, folder: &Path, files: &Files) -> Result<(), Flaw> {
+    fn file(&mut self, bytes: Vec<u8>, folder: &Path, files: &Files, time: f64) -> Result<(), Flaw> {
         let gltf = container::open(bytes)?;
         validate::check(gltf.document.as_json())?;
         buffers::mention_images(&gltf, folder, files);
@@ -85,13 +97,10 @@ impl GltfImport {
             gltf.materials().map(|material| material::convert(&gltf, &material, &mut textures, notes));
         self.model.materials = materials.collect();
         self.model.textures = textures.into_textures();
+        self.moment = Moment::new(&gltf, time, &buffers, &mut self.notes);
         self.nodes(&gltf, &buffers)?;
         for material in &mut self.model.materials {
             material.opacity = material.opacity.filter(Opacity::lets_through);
-        }
-        for animation in gltf.animations() {
-            let name = animation.name().unwrap_or("unnamed");
-            self.notes.add("animation ignored, the rest pose is used", name);
         }
         if self.dropped > 0 {
             self.notes.add("degenerate (zero-area) triangles dropped", self.dropped.to_string());
@@ -119,7 +128,18 @@ impl GltfImport {
             }
             let node_at = |flaw: Flaw| flaw.at(format!("node `{name}`"));
             let converted = self.node(gltf, &node, parent, buffers).map_err(node_at)?;
-            self.model.nodes.push(converted);
+            let copies = match node.skin() {
+                Some(_) if !converted.parts.is_empty() => Some(vec![skinned(&converted)]),
+                Some(_) => None,
+                None => self.instances(gltf, &node, &converted, index, buffers).map_err(node_at)?,
+            };
+            match copies {
+                None => self.model.nodes.push(converted),
+                Some(copies) => {
+                    self.model.nodes.push(ModelNode { parts: Vec::new(), ..converted });
+                    self.model.nodes.extend(copies);
+                }
+            }
             queue.extend(node.children().map(|child| (child, Some(index))));
         }
         Ok(())
@@ -135,13 +155,52 @@ impl GltfImport {
         let name = name_of(node);
         self.note_ignored(node, &name);
         let parts = match node.mesh() {
-            Some(mesh) => self.mesh(&mesh, buffers)?,
+            Some(mesh) => {
+                let pose = self.mesh_pose(gltf, node, &mesh, buffers)?;
+                self.mesh(&mesh, &pose, buffers)?
+            }
             None => Vec::new(),
         };
         let camera = node.camera().and_then(|camera| self.camera(gltf, &camera, &name));
         let light = node.light().map(|light| light::convert(&light, &mut self.notes)).transpose()?;
         let hole = empty::hole(node, &name, &mut self.notes)?;
-        Ok(ModelNode { to_parent: transform(node)?, name, parent, parts, camera, light, hole })
+        Ok(ModelNode {
+            to_parent: transform::of_node(node, &self.moment)?,
+            name,
+            parent,
+            parts,
+            camera,
+            light,
+            hole,
+        })
+    }
+
+    /// Nodes below the one of index `parent`, one for each of its instances; `None` if it places its mesh itself.
+    fn instances(
+        &mut self,
+        gltf: &gltf::Gltf,
+        node: &gltf::Node,
+        converted: &ModelNode,
+        parent: usize,
+        buffers: &Buffers,
+    ) -> Result<Option<Vec<ModelNode>>, Flaw> {
+        if converted.parts.is_empty() || node.extension_value(instancing::EXTENSION).is_none() {
+            return Ok(None);
+        }
+        let left = *self.instances_left.get_or_insert_with(|| instancing::most(buffers));
+        let Some(placements) = instancing::placements(gltf, node, buffers, left)? else {
+            self.notes.add("instances without places are ignored, the mesh is placed once", &converted.name);
+            return Ok(None);
+        };
+        self.instances_left = Some(left - placements.len());
+        let instance = |(number, to_parent)| ModelNode {
+            name: format!("{}[{number}]", converted.name),
+            parent: Some(parent),
+            to_parent,
+            parts: converted.parts.clone(),
+            ..ModelNode::default()
+        };
+        Ok(Some(placements.into_iter().enumerate().map(instance).collect()))
     }
 
     /// Goes by the JSON, since the crate's `Camera::projection` panics on a camera without lens.
@@ -166,29 +225,55 @@ impl GltfImport {
         let extensions = node.extensions().into_iter().flat_map(|map| map.keys());
         for extension in extensions {
             let kind = match extension.as_str() {
-                "KHR_node_visibility" => continue,
-                "EXT_mesh_gpu_instancing" => {
-                    "instances (EXT_mesh_gpu_instancing) are ignored, the mesh is placed once".to_owned()
-                }
+                "KHR_node_visibility" | instancing::EXTENSION => continue,
                 other => format!("extension {other} is ignored, on node"),
             };
             self.notes.add(kind, name);
         }
-        if node.skin().is_some() {
-            self.notes.add("skin ignored, the rest pose is used", name);
-        }
     }
 
-    /// Parts of a mesh, read once however many nodes use it.
-    fn mesh(&mut self, mesh: &gltf::Mesh, buffers: &Buffers) -> Result<Vec<Part>, Flaw> {
-        if let Some(parts) = self.parts.get(&mesh.index()) {
+    /// The pose that a node gives to its mesh.
+    fn mesh_pose(
+        &mut self,
+        gltf: &gltf::Gltf,
+        node: &gltf::Node,
+        mesh: &gltf::Mesh,
+        buffers: &Buffers,
+    ) -> Result<MeshPose, Flaw> {
+        let weights = self.moment.weights(node.index()).or_else(|| node.weights()).or_else(|| mesh.weights());
+        let weights = weights.unwrap_or_default().to_vec();
+        if weights.len() > MOST_TARGETS {
+            return Err(Flaw::new(
+                format!("it has {} weights of morph targets, more than {MOST_TARGETS}", weights.len()),
+                "use fewer shape keys, or apply them before the export",
+            ));
+        }
+        let Some(skin) = node.skin().map(|skin| skin.index()) else {
+            return Ok(MeshPose { weights, skin: None });
+        };
+        let joints = match self.joints.get(&skin) {
+            Some(joints) => joints.clone(),
+            None => {
+                let pose = self.pose.get_or_insert_with(|| ScenePose::new(gltf, &self.moment));
+                let joints =
+                    pose.joints(gltf, skin, buffers).map_err(|flaw| flaw.at(format!("skin {skin}")))?;
+                self.joints.entry(skin).or_insert(joints.into()).clone()
+            }
+        };
+        Ok(MeshPose { weights, skin: Some((skin, joints)) })
+    }
+
+    /// Parts of a mesh in a pose, read once however many nodes use it.
+    fn mesh(&mut self, mesh: &gltf::Mesh, pose: &MeshPose, buffers: &Buffers) -> Result<Vec<Part>, Flaw> {
+        let key = (mesh.index(), pose.key());
+        if let Some(parts) = self.parts.get(&key) {
             return Ok(parts.clone());
         }
         let name = mesh.name().map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
         let mut parts = Vec::new();
         for primitive in mesh.primitives() {
             let surface = self
-                .surface(&primitive, buffers, &name)
+                .surface(&primitive, pose, buffers, &name)
                 .map_err(|flaw| flaw.at(format!("mesh `{name}`, primitive {}", primitive.index())))?;
             if let Some(surface) = surface {
                 let material = self.material_index(&primitive);
@@ -202,7 +287,7 @@ impl GltfImport {
                 parts.push(Part { mesh: surface, material });
             }
         }
-        self.parts.insert(mesh.index(), parts.clone());
+        self.parts.insert(key, parts.clone());
         Ok(parts)
     }
 
@@ -210,17 +295,18 @@ impl GltfImport {
     fn surface(
         &mut self,
         primitive: &gltf::Primitive,
+        pose: &MeshPose,
         buffers: &Buffers,
         name: &str,
     ) -> Result<Option<usize>, Flaw> {
         let asked_for = self.asked_for(&primitive.material());
-        let Some(source) = primitive::source(primitive, asked_for, &mut self.notes, name)? else {
+        let Some(source) = primitive::source(primitive, asked_for, pose, &mut self.notes, name)? else {
             return Ok(None);
         };
         if let Some(known) = self.surfaces.get(&source) {
             return Ok(*known);
         }
-        let (mesh, dropped) = primitive::read(primitive, &source, buffers, &mut self.notes, name)?;
+        let (mesh, dropped) = primitive::read(primitive, &source, pose, buffers, &mut self.notes, name)?;
         let index = if mesh.triangles.is_empty() {
             self.notes.add("surfaces without area (collapsed or empty) are left out, in mesh", name);
             None
@@ -236,7 +322,7 @@ impl GltfImport {
                     "the surfaces up to here take {} times the bytes that they are read from",
                     MOST_PER_BYTE
                 ),
-                "the file is damaged: its accessors overlap; export it again",
+                "the file is damaged: its accessors overlap, or give fewer nodes poses of their own of one mesh",
             ));
         }
         self.surfaces.insert(source, index);
@@ -266,6 +352,11 @@ impl GltfImport {
     }
 }
 
+/// What stands for the mesh of a node with a skin: its joints place it, whatever the node's own transform.
+fn skinned(converted: &ModelNode) -> ModelNode {
+    ModelNode { name: converted.name.clone(), parts: converted.parts.clone(), ..ModelNode::default() }
+}
+
 /// True if `KHR_node_visibility` hides the node, and all below it.
 fn is_hidden(node: &gltf::Node) -> bool {
     let visibility = node.extension_value("KHR_node_visibility");
@@ -287,33 +378,6 @@ fn roots<'a>(gltf: &'a gltf::Gltf, notes: &mut Notes) -> Vec<gltf::Node<'a>> {
 
 fn name_of(node: &gltf::Node) -> String {
     node.name().map_or_else(|| format!("node {}", node.index()), str::to_owned)
-}
-
-/// Node space → parent space.
-fn transform(node: &gltf::Node) -> Result<DAffine3, Flaw> {
-    let to_parent = match node.transform() {
-        gltf::scene::Transform::Matrix { matrix } => {
-            let matrix = DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)));
-            DAffine3 { matrix3: DMat3::from_mat4(matrix), translation: matrix.w_axis.truncate() }
-        }
-        gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
-            let rotation = DQuat::from_array(rotation.map(f64::from));
-            let length = rotation.length();
-            if !(length.is_finite() && length > 0.0) {
-                return Err(Flaw::new("the rotation is not a quaternion", "export the file again"));
-            }
-            DAffine3::from_scale_rotation_translation(
-                DVec3::from(scale.map(f64::from)),
-                rotation / length,
-                DVec3::from(translation.map(f64::from)),
-            )
-        }
-    };
-    if to_parent.is_finite() {
-        Ok(to_parent)
-    } else {
-        Err(Flaw::new("the transform is not finite", "reset the node's transform and export again"))
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use gltf::mesh::{Mode, Semantic};
 
 use super::accessor::Column;
 use super::buffers::Buffers;
+use super::deform::{Deformation, DeformationKey, MeshPose};
 use super::texture::UV_SETS;
 use crate::asset::flaw::Flaw;
 use crate::asset::notes::Notes;
@@ -12,8 +13,14 @@ use crate::asset::tangents::make_tangents;
 use crate::asset::tidy::tidy;
 use crate::geometry::{Attributes, Mesh};
 
+/// Bytes of surfaces that need no reason.
+pub(super) const SMALL: usize = 1 << 20;
+/// Most bytes of surfaces per byte of the buffers: a triangle of three indices of a byte each, with its own three
+/// vertices, is 28 times as large here.
+pub(super) const MOST_PER_BYTE: usize = 64;
+
 /// The accessors that a surface is made of, by index, and how; primitives with the same ones are the same surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SurfaceKey {
     positions: usize,
     normals: Option<usize>,
@@ -22,6 +29,7 @@ pub(super) struct SurfaceKey {
     uvs: [Option<usize>; UV_SETS],
     colors: Option<usize>,
     tangents: Option<TangentSource>,
+    deformation: DeformationKey,
     /// As in the file.
     mode: u32,
 }
@@ -44,19 +52,18 @@ pub(super) struct AskedFor {
     pub tangents: Option<usize>,
 }
 
-/// Source of a primitive of the mesh called `name`, with the attributes that are asked for; `None` if it has no surface.
+/// Source of a primitive of the mesh called `name` in a pose, with the attributes that are asked for; `None` if it has no
+/// surface.
 pub(super) fn source(
     primitive: &gltf::Primitive,
     AskedFor { uv_sets, tangents }: AskedFor,
+    pose: &MeshPose,
     notes: &mut Notes,
     name: &str,
 ) -> Result<Option<SurfaceKey>, Flaw> {
     if matches!(primitive.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
         notes.add("points and lines have no surface and are ignored, in mesh", name);
         return Ok(None);
-    }
-    if primitive.morph_targets().len() > 0 {
-        notes.add("shape keys (morph targets) are ignored, in mesh", name);
     }
     let positions = primitive
         .get(&Semantic::Positions)
@@ -80,15 +87,17 @@ pub(super) fn source(
             }
             _ => TangentSource::Made(uv_set),
         }),
+        deformation: DeformationKey::new(primitive, pose),
         mode: primitive.mode().as_gl_enum(),
     }))
 }
 
-/// Reads the surface of a primitive of the mesh called `name`, with the attributes that `source` tells, and how many degenerate triangles it had; it may be left
-/// without triangles.
+/// Reads the surface of a primitive of the mesh called `name` in a pose, with the attributes that `source` tells, and how
+/// many degenerate triangles it had; it may be left without triangles.
 pub(super) fn read(
     primitive: &gltf::Primitive,
     source: &SurfaceKey,
+    pose: &MeshPose,
     buffers: &Buffers,
     notes: &mut Notes,
     name: &str,
@@ -115,8 +124,18 @@ pub(super) fn read(
     }
     let mut triangles = triangles(primitive.mode(), &indices);
     let vertices = number_vertices(&mut triangles, positions.len())?;
-    let gather = |column: &Column| vertices.iter().map(|index| column.vector(*index)).collect();
-    let normals = normals.map_or_else(Vec::new, |normals| gather(&normals));
+    let deformation = Deformation::open(primitive, pose, buffers, positions.len())?;
+    if vertices.len().saturating_mul(deformation.bytes_of_each()) > SMALL + MOST_PER_BYTE * buffers.size() {
+        return Err(Flaw::new(
+            "its morph targets and joints are many times larger than the file",
+            "the file is damaged: its accessors overlap; export it again",
+        ));
+    }
+    let position = |&vertex: &u32| deformation.position(vertex, positions.vector(vertex));
+    let normals = normals.map(|normals| {
+        let normal = |&vertex: &u32| deformation.normal(vertex, normals.vector(vertex));
+        vertices.iter().map(normal).collect::<Result<_, _>>()
+    });
     let mut attribute = |semantic: Semantic, dimensions: &[Dimensions]| {
         let Some(accessor) = primitive.get(&semantic) else { return Ok(None) };
         let column = Column::of_vectors(&accessor, dimensions, buffers)?;
@@ -146,11 +165,18 @@ pub(super) fn read(
         Some(TangentSource::Read(_)) => attribute(Semantic::Tangents, &[Dimensions::Vec4])?,
         Some(TangentSource::Made(_)) | None => None,
     };
-    let mut mesh = Mesh { positions: gather(&positions), normals, triangles, attributes };
+    let mut mesh = Mesh {
+        positions: vertices.iter().map(position).collect::<Result<_, _>>()?,
+        normals: normals.transpose()?.unwrap_or_default(),
+        triangles,
+        attributes,
+    };
     let dropped = tidy(&mut mesh)?;
     if let Some(column) = tangents {
-        let tangent = |vertex: u32| column.vector(vertices[vertex as usize]);
-        mesh.attributes.tangents = mesh.triangles.iter().map(|triangle| triangle.map(tangent)).collect();
+        let tangent = |&vertex: &u32| deformation.tangent(vertex, column.vector(vertex));
+        let tangents: Vec<[f32; 4]> = vertices.iter().map(tangent).collect::<Result<_, _>>()?;
+        let of_corner = |vertex: u32| tangents[vertex as usize];
+        mesh.attributes.tangents = mesh.triangles.iter().map(|triangle| triangle.map(of_corner)).collect();
     } else if let Some(TangentSource::Made(uv_set)) = source.tangents {
         make_tangents(&mut mesh, uv_set);
     }

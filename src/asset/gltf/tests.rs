@@ -10,6 +10,10 @@ use crate::asset::image::Encoding;
 use crate::light::Punctual;
 use crate::shade::{Dielectric, Diffuse, Lobe, Material, Principled};
 
+mod animation;
+mod deform;
+mod instancing;
+
 /// Bytes of the test buffer: four positions, four u16 indices, a sparse index, a sparse value.
 fn buffer() -> Vec<u8> {
     let positions = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
@@ -54,9 +58,13 @@ impl GltfFolder {
     }
 
     fn load(&self, text: &[u8]) -> Result<Model, AssetError> {
+        self.load_at(text, 0.0)
+    }
+
+    fn load_at(&self, text: &[u8], time: f64) -> Result<Model, AssetError> {
         let path: PathBuf = self.folder.path().join("a.gltf");
         std::fs::write(&path, text).unwrap();
-        load(&path, &crate::asset::Files::default())
+        load(&path, &crate::asset::Files::default(), time)
     }
 }
 

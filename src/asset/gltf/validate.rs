@@ -13,9 +13,9 @@ const HARMLESS_PREFIXES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_tex
 
 /// Checks the structure of a document.
 ///
-/// Unread parts may be wrong: animations, samplers, skins, bounds of accessors, targets of buffer views. Cameras
-/// without a lens and extensions that change only what is ignored anyway are let through as well. Of what is read, the
-/// crate's accessors unwrap
+/// Parts that are unread, or read with care, may be wrong: animations, samplers, skins, bounds of accessors, targets of
+/// buffer views. Cameras without a lens and extensions that change only what is ignored anyway are let through as well.
+/// Of what is read, the crate's accessors unwrap
 ///
 /// - enumerations, the keys of attributes, indices of accessors, buffer views, cameras, images, lights, materials,
 ///   meshes, nodes, scenes, skins and textures, and the cone of a spot light: which its validation checks;
@@ -35,10 +35,10 @@ pub(super) fn check(root: &Root) -> Result<(), Flaw> {
 }
 
 fn tolerated(path: &str, error: Invalid) -> bool {
-    let unread = ["animations[", "samplers[", "skins["].iter().any(|start| path.starts_with(start))
+    let harmless = ["animations[", "samplers[", "skins["].iter().any(|start| path.starts_with(start))
         || [".min", ".max", ".target"].iter().any(|end| path.ends_with(end));
     let lens = path.starts_with("cameras[") && path.ends_with(']');
-    unread || error == Invalid::Unsupported || (error == Invalid::Missing && lens)
+    harmless || error == Invalid::Unsupported || (error == Invalid::Missing && lens)
 }
 
 fn check_extensions(root: &Root) -> Result<(), Flaw> {

@@ -149,7 +149,7 @@ fn flags_of_other_programs_get_the_flag_that_does_their_job() {
         (&["--hole", "0,0,0,1"], "'--black-hole X,Y,Z,RS'"),
         (&["-t", "4"], "'--threads N'"),
         (&["--nthreads", "4"], "'--threads N'"),
-        (&["--time", "60"], "'--time-limit TIME'"),
+        (&["--timeout", "60"], "'--time-limit TIME'"),
         (&["--verbose"], "'--stats FILE.json'"),
         (&["--film-transparent"], "'--background transparent'"),
         (&["--passes", "depth"], "'--aov LIST'"),

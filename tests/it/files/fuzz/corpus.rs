@@ -161,7 +161,8 @@ fn pictures(format: ImageFormat) -> Vec<Seed> {
     colours.into_iter().filter_map(write).collect()
 }
 
-/// Four positions, four normals, four texture coordinates, four indices, a sparse index and value.
+/// Four positions, four normals, four texture coordinates, four indices, a sparse index and value, joints and weights of
+/// four vertices.
 pub fn buffer() -> Vec<u8> {
     let positions = [0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
     let normals = [0f32, 0.0, 1.0].repeat(4);
@@ -171,6 +172,8 @@ pub fn buffer() -> Vec<u8> {
     bytes.extend([0u16, 1, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
     bytes.extend([2, 0, 0, 0]);
     bytes.extend([0f32, 5.0, 0.0].iter().flat_map(|value| value.to_le_bytes()));
+    bytes.extend([0, 1, 0, 0].repeat(4));
+    bytes.extend([200, 40, 10, 5].repeat(4));
     bytes
 }
 
@@ -184,13 +187,28 @@ fn document(uri: Option<&str>) -> Value {
         "asset": { "version": "2.0" },
         "extensionsUsed": ["KHR_lights_punctual", "KHR_materials_emissive_strength"],
         "scene": 0,
-        "scenes": [{ "nodes": [0, 2] }],
+        "scenes": [{ "nodes": [0, 2, 4, 5] }],
         "nodes": [
             { "mesh": 0, "name": "square", "children": [1, 3], "rotation": [0, 0, 0, 1], "scale": [1, 2, 1] },
             { "camera": 0, "name": "eye", "translation": [0.5, 0.5, 3] },
             { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [0, 0, 2] },
             { "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -1, 1], "name": "BlackHole" },
+            { "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0, "SCALE": 8, "ROTATION": 6 } } } },
+            { "mesh": 1, "skin": 0, "weights": [0.5] },
         ],
+        "animations": [{
+            "channels": [
+                { "sampler": 0, "target": { "node": 4, "path": "translation" } },
+                { "sampler": 1, "target": { "node": 4, "path": "rotation" } },
+                { "sampler": 2, "target": { "node": 2, "path": "translation" } },
+                { "sampler": 3, "target": { "node": 5, "path": "weights" } },
+            ],
+            "samplers": [
+                { "input": 9, "output": 0 }, { "input": 9, "output": 6, "interpolation": "STEP" },
+                { "input": 10, "output": 0, "interpolation": "CUBICSPLINE" }, { "input": 9, "output": 9 },
+            ],
+        }],
+        "skins": [{ "joints": [4, 1], "inverseBindMatrices": 7 }],
         "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1, "aspectRatio": 1.5 } }],
         "extensions": { "KHR_lights_punctual": { "lights": [
             { "type": "spot", "intensity": 50, "color": [1, 0.5, 0.2], "spot": { "outerConeAngle": 0.6 } },
@@ -199,6 +217,9 @@ fn document(uri: Option<&str>) -> Value {
         "meshes": [{ "primitives": [
             { "attributes": { "POSITION": 0, "NORMAL": 2, "TEXCOORD_0": 3, "COLOR_0": 2 }, "indices": 1, "mode": 5, "material": 0 },
             { "attributes": { "POSITION": 4 }, "material": 1 },
+        ] }, { "weights": [0.25], "primitives": [
+            { "attributes": { "POSITION": 0, "NORMAL": 2, "JOINTS_0": 5, "WEIGHTS_0": 6 }, "indices": 1, "mode": 5,
+              "targets": [{ "POSITION": 2, "NORMAL": 2, "TANGENT": 2 }] },
         ] }],
         "materials": [
             { "normalTexture": { "index": 1, "scale": 0.5 }, "emissiveTexture": { "index": 0,
@@ -225,6 +246,12 @@ fn document(uri: Option<&str>) -> Value {
             { "bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC2" },
             { "componentType": 5126, "count": 3, "type": "VEC3", "sparse": { "count": 1,
               "indices": { "bufferView": 4, "componentType": 5121 }, "values": { "bufferView": 5 } } },
+            { "bufferView": 6, "componentType": 5121, "count": 4, "type": "VEC4" },
+            { "bufferView": 7, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" },
+            { "bufferView": 8, "componentType": 5126, "count": 2, "type": "MAT4" },
+            { "bufferView": 7, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC3" },
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "SCALAR" },
+            { "bufferView": 0, "componentType": 5126, "count": 1, "type": "SCALAR" },
         ],
         "bufferViews": [
             { "buffer": 0, "byteLength": 48 },
@@ -233,6 +260,9 @@ fn document(uri: Option<&str>) -> Value {
             { "buffer": 0, "byteOffset": 128, "byteLength": 8 },
             { "buffer": 0, "byteOffset": 136, "byteLength": 4 },
             { "buffer": 0, "byteOffset": 140, "byteLength": 12 },
+            { "buffer": 0, "byteOffset": 152, "byteLength": 16 },
+            { "buffer": 0, "byteOffset": 168, "byteLength": 16 },
+            { "buffer": 0, "byteLength": 128 },
         ],
         "buffers": buffers,
     })
