@@ -46,7 +46,7 @@ pub enum FanError {
     #[error("the fan reaches behind the camera's near plane, where its rays start")]
     BehindNearPlane,
     /// Parallel rays span no angle.
-    #[error("the rays of an orthographic camera are parallel, so a fan needs --angle")]
+    #[error("the rays of an orthographic camera are parallel, so they span no angle")]
     NoFieldOfView,
 }
 

@@ -96,8 +96,8 @@ fn a_lamp_out_of_focus_is_a_disk_of_the_size_that_the_lens_makes_of_it() {
         assert!((mean / expected - 1.0).abs() < 0.03, "{focus}: {mean} for {expected}");
         // ∫ r² dA / A of a disk is R²/2, of a polygon R² (2 + cos(2π/n)) / 6.
         let of_lens = if blades == 0 { 0.5 } else { (2.0 + (std::f64::consts::TAU / 6.0).cos()) / 6.0 };
-        // That of pixels of a side of 1/24 is a part of it.
-        let expected = (blur * blur * of_lens + 0.05 * 0.05 * 0.5) / 0.16 - 1.0 / (6.0 * 24.0 * 24.0);
+        // Pixels, of a side of 1/24, spread it as they do what is rounded: by side²/12 each way.
+        let expected = (blur * blur * of_lens + 0.05 * 0.05 * 0.5) / 0.16 + 1.0 / (6.0 * 24.0 * 24.0);
         assert!((moment / expected - 1.0).abs() < 0.04, "{focus} {blades}: {moment} for {expected}");
     }
 }
