@@ -11,6 +11,8 @@ use super::projection::{Fisheye, Orthographic, Perspective, Projection, ThinLens
 
 /// Degrees across the disk of a fisheye that does not say: half of all directions, as on a dome.
 const DEFAULT_FOV: f64 = 180.0;
+/// Greatest radius of a lens relative to the distance in focus: far beyond all lenses, and directions stay exact.
+const STEEPEST: f64 = 1e6;
 
 /// Checks the projection of a camera and reads it; warns of keys that it does not have.
 pub(super) fn projection(
@@ -85,6 +87,11 @@ fn lens(table: &CameraTable) -> Result<Option<ThinLens>, Fault> {
             "add `focus_distance = ...`, in scene units, or `look_at` instead of `direction`",
         )
     })?;
+    if radius > STEEPEST * focus_distance {
+        let problem = format!("a lens of radius {radius} cannot focus on what is {focus_distance} away");
+        let help = "use a smaller `aperture` or a greater `focus_distance`";
+        return Err(Fault::at(aperture.span(), problem, help));
+    }
     Ok(Some(ThinLens { radius, focus_distance, blades, rotation: degrees.to_radians() }))
 }
 

@@ -183,6 +183,11 @@ fn values_without_meaning_show_their_line() {
         ("vertical_fov = 40", "vertical_fov = 40\naperture = 1\nblades = 2", "2 blades leave no opening"),
         ("vertical_fov = 40", "vertical_fov = 40\nfocus_distance = 0", "focus_distance must be positive"),
         (
+            "vertical_fov = 40",
+            "vertical_fov = 40\naperture = 1\nfocus_distance = 1e-300",
+            "a lens of radius 1 cannot focus",
+        ),
+        (
             "look_at = [0, 0, 0]",
             "direction = [0, 0, -1]\naperture = 1",
             "a lens needs the distance that is in focus",
