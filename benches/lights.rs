@@ -71,7 +71,8 @@ const SCENE: &str = "scenes/cornell_black_hole.toml";
 /// on.
 fn landings(scene: &Baked, random: &mut Xoshiro256PlusPlus) -> Vec<(DVec3, DVec3, PrimitiveId)> {
     let mut ray = || {
-        let (position, direction) = scene.camera.ray(DVec2::from_array(random.random()), 4.0 / 3.0);
+        let film = DVec2::from_array(random.random());
+        let (position, direction) = scene.camera.ray(film, 4.0 / 3.0, DVec2::splat(0.5)).expect("a ray");
         Ray { position, direction, origin_prim: PrimitiveId::NONE }
     };
     let rays: Vec<Ray> = (0..ITEMS).map(|_| ray()).collect();

@@ -25,5 +25,5 @@ pub(crate) use flaw::Flaw;
 pub(crate) use gltf::load as load_gltf;
 pub use image::{Picture, load as load_image};
 pub use memory::Memory;
-pub(crate) use model::{Model, ModelHole, ModelNode};
+pub(crate) use model::{Model, ModelCamera, ModelHole, ModelNode, ModelView};
 pub(crate) use obj::load as load_obj;

@@ -49,13 +49,28 @@ pub struct Part {
     pub material: usize,
 }
 
-/// A perspective camera that looks along −Z of its node, +Y upwards.
+/// A camera that looks along −Z of its node, +Y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelCamera {
-    /// Vertical field of view, radians.
-    pub vertical_fov: f64,
+    /// Rays that it sees.
+    pub view: ModelView,
     /// Width over height of the picture that it is meant for.
     pub aspect: Option<f64>,
+}
+
+/// Rays that a camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModelView {
+    /// Those through a pinhole.
+    Perspective {
+        /// Vertical field of view, radians, between 0 and π.
+        vertical_fov: f64,
+    },
+    /// Parallel ones.
+    Orthographic {
+        /// Half of the height of what is seen, in units of the scene.
+        half_height: f64,
+    },
 }
 
 /// A black hole that a node places, its axis along the node's +Y: up in the program that exported it.

@@ -17,7 +17,10 @@ use super::stages::{self, Stage};
 use super::units::{plural, rounded};
 use crate::geometry::Counts;
 use crate::light::Punctual;
-use crate::scene::{self, Baked, LoadOptions, Schedule, Settings, flag_name};
+use crate::scene::{
+    self, Baked, Camera, Fisheye, LoadOptions, Orthographic, Perspective, Projection, Schedule, Settings,
+    flag_name,
+};
 use crate::shade::{Environment, Lobe};
 use crate::spacetime::{
     ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Side, Sink,
@@ -112,8 +115,22 @@ struct LightCounts {
 struct CameraReport {
     position: [f64; 3],
     forward: [f64; 3],
-    /// Degrees.
-    vertical_fov: f64,
+    projection: &'static str,
+    /// Of perspective, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertical_fov: Option<f64>,
+    /// Radius of a lens, scene units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    aperture: Option<f64>,
+    /// Scene units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    focus_distance: Option<f64>,
+    /// Of what an orthographic camera sees, scene units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<f64>,
+    /// Of a fisheye, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fov: Option<f64>,
 }
 
 /// Bytes.
@@ -136,11 +153,7 @@ impl<'a> SceneReport<'a> {
             materials: Materials::of(scene),
             lights: LightCounts::of(scene.punctual().map(|(_, light)| light)),
             environment: environments(scene),
-            camera: CameraReport {
-                position: scene.camera.position.to_array(),
-                forward: scene.camera.forward.to_array(),
-                vertical_fov: 2.0 * libm::atan(scene.camera.tan_half_fov).to_degrees(),
-            },
+            camera: CameraReport::of(&scene.camera),
             settings: &scene.settings,
             memory: MemoryReport::of(scene, run),
             stages: stages::of(scene, probe.lights, &run.aovs),
@@ -380,9 +393,42 @@ impl LightCounts {
 }
 
 impl CameraReport {
+    fn of(camera: &Camera) -> Self {
+        let mut report = Self {
+            position: camera.position.to_array(),
+            forward: camera.forward.to_array(),
+            projection: camera.projection.name(),
+            vertical_fov: None,
+            aperture: None,
+            focus_distance: None,
+            height: None,
+            fov: None,
+        };
+        match camera.projection {
+            Projection::Perspective(Perspective { tan_half_fov, lens }) => {
+                report.vertical_fov = Some(2.0 * libm::atan(tan_half_fov).to_degrees());
+                report.aperture = lens.map(|lens| lens.radius);
+                report.focus_distance = lens.map(|lens| lens.focus_distance);
+            }
+            Projection::Orthographic(Orthographic { half_height }) => report.height = Some(2.0 * half_height),
+            Projection::Equirectangular => {}
+            Projection::Fisheye(Fisheye { half_fov }) => report.fov = Some(2.0 * half_fov.to_degrees()),
+        }
+        report
+    }
+
     fn text(&self) -> String {
         let (position, forward) = (point(&self.position), triple(self.forward.map(|x| rounded(x, 3))));
-        format!("at {position} along {forward}, vertical field of view {}°", rounded(self.vertical_fov, 3))
+        let view = [
+            self.vertical_fov.map(|angle| format!("vertical field of view {}°", rounded(angle, 3))),
+            self.height.map(|height| format!("orthographic, height {}", rounded(height, PLACE))),
+            self.fov.map(|angle| format!("fisheye of {}°", rounded(angle, 3))),
+            (self.projection == Projection::Equirectangular.name()).then(|| "equirectangular".to_owned()),
+            self.aperture.map(|radius| format!("lens of radius {}", rounded(radius, PLACE))),
+            self.focus_distance.map(|distance| format!("in focus {} away", rounded(distance, PLACE))),
+        ];
+        let view: Vec<String> = view.into_iter().flatten().collect();
+        format!("at {position} along {forward}, {}", view.join(", "))
     }
 }
 

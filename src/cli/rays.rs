@@ -59,6 +59,7 @@ impl From<FanError> for Failure {
             FanError::UpAlongPlane => {
                 "give an --up that is not 0 and does not point from the start of the fan to the hole"
             }
+            FanError::NoFieldOfView => "give the angle of the fan by --fan, in degrees",
             FanError::BehindNearPlane => "give a smaller --fan, or --from",
         };
         Self::new(error.to_string()).help(remedy)

@@ -58,21 +58,10 @@ fn of_hole(center: DVec3, shadow: f64, camera: &Camera, aspect: f64, boxes: &[(B
             ));
         }
     }
-    if is_out_of_view(center, shadow, camera, aspect) {
+    if !camera.sees_ball(center, shadow, aspect) {
         notes.push(format!("the hole at {x},{y},{z} is out of the camera's view"));
     }
     notes
-}
-
-/// Test for a hole whose shadow, of this radius from afar, is beside the picture.
-fn is_out_of_view(center: DVec3, shadow: f64, camera: &Camera, aspect: f64) -> bool {
-    let offset = center - camera.position;
-    let shadow = libm::asin((shadow / offset.length()).min(1.0));
-    let depth = offset.dot(camera.forward);
-    let beyond = |side: f64, tan_half: f64| libm::atan2(side.abs(), depth) - libm::atan(tan_half);
-    let across = beyond(offset.dot(camera.right), camera.tan_half_fov * aspect);
-    let up = beyond(offset.dot(camera.up), camera.tan_half_fov);
-    across.max(up) > shadow
 }
 
 /// True if there are lights but none lights a white surface well, in a scene of these boxes that nothing else lights.

@@ -270,53 +270,64 @@ fn shape_picture(world: &mut World, camera: &str, aspect: f64) {
     }
 }
 
-/// Rays start between the pinhole and the near plane; both must be outside.
+/// Rays start between the camera and its near plane, or all over a lens or picture plane: all must be outside.
 fn check_outside_horizon(world: &World, camera: &Camera) -> Result<(), Fault> {
-    let start: DVec3 = camera.position + camera.near * camera.forward;
-    let is_far = camera.side == Side::Far && world.spacetime.wormhole().is_none();
-    if is_far || [camera.position, start].into_iter().any(|at| world.spacetime.is_in_throat(camera.side, at))
-    {
-        let problem = if is_far {
-            "the camera is on the far side, and the spacetime has none"
+    let middle = [camera.position, camera.position + camera.near * camera.forward];
+    let centers = match world.spacetime.wormhole() {
+        Some((mouths, _)) => vec![mouths.center(camera.side)],
+        None => world.spacetime.shadows().into_iter().map(|(center, _)| center).collect(),
+    };
+    let aspect = world.settings.aspect();
+    let starts: Vec<DVec3> = centers.iter().map(|center| camera.nearest_start(*center, aspect)).collect();
+    let fault = |(problem, help): (String, &str)| match world.camera {
+        Some(entity) => world.fault(entity, &problem, help),
+        None => Fault::whole(problem, help),
+    };
+    let unusable = |points: &[DVec3], subject| unusable_start(&world.spacetime, camera.side, points, subject);
+    let found = unusable(&middle, "the camera is").or_else(|| unusable(&starts, "rays of the camera start"));
+    found.map_or(Ok(()), |found| Err(fault(found)))
+}
+
+/// Problem of `points`, if rays cannot start there, and remedy.
+fn unusable_start(
+    spacetime: &SpacetimeKind,
+    side: Side,
+    points: &[DVec3],
+    subject: &str,
+) -> Option<(String, &'static str)> {
+    let is_far = side == Side::Far && spacetime.wormhole().is_none();
+    if is_far || points.iter().any(|at| spacetime.is_in_throat(side, *at)) {
+        let place = if is_far {
+            "on the far side, and the spacetime has none"
         } else {
-            "the camera is within the throat of the wormhole, which is in neither world"
+            "within the throat of the wormhole, which is in neither world"
         };
         let help = "move it out of there, or choose another throat_radius";
-        return Err(match world.camera {
-            Some(entity) => world.fault(entity, problem, help),
-            None => Fault::whole(problem, help),
-        });
+        return Some((format!("{subject} {place}"), help));
     }
-    if ![camera.position, start].into_iter().any(|point| world.spacetime.drags(point)) {
-        return Ok(());
+    if !points.iter().any(|point| spacetime.drags(*point)) {
+        return None;
     }
-    let center = world.spacetime.center().unwrap_or_default();
-    let distance = camera.position.distance(center).min(start.distance(center));
-    let problem = match world.spacetime {
+    let center = spacetime.center().unwrap_or_default();
+    let distance = points.iter().map(|point| point.distance(center)).fold(f64::INFINITY, f64::min);
+    let place = match spacetime {
         SpacetimeKind::Flat | SpacetimeKind::Spherical { .. } | SpacetimeKind::Wormhole { .. } => {
-            let horizon = world.spacetime.horizon();
-            format!(
-                "the camera is inside the black hole: {distance} from its center, where the horizon is at {horizon}"
-            )
+            let horizon = spacetime.horizon();
+            format!("inside the black hole: {distance} from its center, where the horizon is at {horizon}")
         }
         SpacetimeKind::Spinning { .. } => {
-            format!(
-                "the camera is in the ergosphere, where nothing can be at rest: {distance} from the hole's center"
-            )
+            format!("in the ergosphere, where nothing can be at rest: {distance} from the hole's center")
         }
-        SpacetimeKind::Indexed(_) => "the camera is at the horizon of a hole".to_owned(),
+        SpacetimeKind::Indexed(_) => "at the horizon of a hole".to_owned(),
     };
-    let help = match world.spacetime {
+    let help = match spacetime {
         SpacetimeKind::Indexed(_) => "move the camera away",
         SpacetimeKind::Flat
         | SpacetimeKind::Spherical { .. }
         | SpacetimeKind::Wormhole { .. }
         | SpacetimeKind::Spinning { .. } => "move the camera away, or use a smaller schwarzschild_radius",
     };
-    match world.camera {
-        Some(entity) => Err(world.fault(entity, &problem, help)),
-        None => Err(Fault::whole(problem, help)),
-    }
+    Some((format!("{subject} {place}"), help))
 }
 
 fn warn_of_doubles(world: &mut World, count: usize) {

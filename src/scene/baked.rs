@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::projection::{Perspective, PixelWidth, Projection};
 use super::{Camera, Settings};
 use crate::geometry::{Geometry, Primitives};
 use crate::light::Punctual;
@@ -86,11 +87,15 @@ impl Baked {
         self.arc_tolerance_around(mouth.or(self.spacetime.center()).unwrap_or(self.camera.position))
     }
 
+    /// Width of a pixel.
+    pub fn pixel(&self) -> PixelWidth {
+        self.camera.projection.pixel(self.settings.width, self.settings.height)
+    }
+
     /// Like [`Self::arc_tolerance`], with the hole at `center`.
     pub fn arc_tolerance_around(&self, center: DVec3) -> f64 {
         let settings = &self.settings;
-        let pixel = 2.0 * self.camera.tan_half_fov / settings.height as f64;
-        let footprint = pixel * self.camera.position.distance(center);
+        let footprint = self.pixel().at(self.camera.position.distance(center));
         settings.arc_tolerance.unwrap_or(PIXEL_FRACTION * settings.arc_tolerance_factor * footprint)
     }
 }
@@ -103,7 +108,7 @@ impl Default for Baked {
             forward: DVec3::NEG_Z,
             right: DVec3::X,
             up: DVec3::Y,
-            tan_half_fov: 0.5,
+            projection: Projection::Perspective(Perspective { tan_half_fov: 0.5, lens: None }),
             near: 0.0,
             side: Side::Near,
         };

@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DAffine3;
 use hecs::Entity;
 
+use super::projection::Projection;
 use crate::asset::ModelHole;
 use crate::geometry::{Disk, Sphere};
 use crate::light::Punctual;
@@ -49,11 +50,11 @@ pub struct MeshShape(pub Vec<(MeshHandle, MaterialHandle)>);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightShape(pub Punctual);
 
-/// A perspective camera that looks along −Z of its entity, +Y upwards.
+/// A camera that looks along −Z of its entity, +Y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraLens {
-    /// Vertical field of view, radians.
-    pub vertical_fov: f64,
+    /// Projection.
+    pub projection: Projection,
     /// Distance at which rays start, scene units.
     pub near: f64,
     /// Width over height of the picture that it is meant for.

@@ -189,7 +189,7 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraTable {
-    /// Pinhole.
+    /// Pinhole, or middle of the lens or the picture plane.
     pub position: Vector,
     /// Point in the middle of the image (in flat space).
     pub look_at: Option<Vector>,
@@ -197,12 +197,41 @@ pub struct CameraTable {
     pub direction: Option<Vector>,
     /// Up in the image; +Y if absent.
     pub up: Option<Vector>,
-    /// Degrees.
-    pub vertical_fov: Number,
+    /// Projection; perspective if absent. Which of the keys below there are depends on it.
+    pub projection: Option<ProjectionName>,
+    /// Degrees, of perspective.
+    pub vertical_fov: Option<Number>,
+    /// Radius of a lens, scene units; 0, a pinhole, if absent.
+    pub aperture: Option<Number>,
+    /// Distance along the view direction of what is in focus; that of `look_at` if absent.
+    pub focus_distance: Option<Number>,
+    /// Blades around the lens; 0, round, if absent.
+    pub blades: Option<Spanned<u32>>,
+    /// Degrees by which they are turned.
+    pub blade_rotation: Option<Number>,
+    /// Height of what an orthographic camera sees, scene units.
+    pub height: Option<Number>,
+    /// Degrees across a fisheye's disk; 180 if absent.
+    pub fov: Option<Number>,
     /// Distance at which rays start; 0 if absent.
     pub near: Option<Number>,
     /// Side of a wormhole that it is on; near if absent.
     pub side: Option<SideName>,
+}
+
+/// `camera.projection`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProjectionName {
+    /// Straight lines stay straight.
+    #[default]
+    Perspective,
+    /// Parallel rays.
+    Orthographic,
+    /// All directions, by longitude and latitude.
+    Equirectangular,
+    /// A disk in which distance from the middle is angle.
+    Fisheye,
 }
 
 /// `side` of a camera or an entity.

@@ -21,8 +21,10 @@ mod light;
 mod listed;
 mod load;
 mod material;
+mod optics;
 mod overrides;
 mod populate;
+mod projection;
 mod settings;
 mod squash;
 mod surroundings;
@@ -34,6 +36,7 @@ pub use baked::{Baked, FarLights};
 pub use camera::Camera;
 pub use error::{Diagnostic, SceneError};
 pub use load::{LoadOptions, load, load_with};
+pub use projection::{Fisheye, LocalRay, Orthographic, Perspective, PixelWidth, Projection, ThinLens};
 #[cfg(feature = "cli")]
 pub use settings::flag_name;
 pub use settings::{

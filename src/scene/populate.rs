@@ -19,6 +19,7 @@ use super::foreign;
 use super::light::light;
 use super::listed;
 use super::material::material;
+use super::optics::projection;
 use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
 use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
@@ -75,7 +76,7 @@ pub(super) fn populate(file: SceneFile, source: &AssetSource) -> Result<World, F
     world.has_own_spacetime = file.spacetime.is_some();
     world.has_own_size = file.film.width.is_some() || file.film.height.is_some();
     if let Some(table) = file.camera {
-        let (placement, lens) = camera(&table)?;
+        let (placement, lens) = camera(&table, &mut world.warnings)?;
         let entity = world.spawn_authored(table.span(), Some("camera".to_owned()), placement);
         // The entity was spawned on the line above, so inserting cannot fail.
         let _ = world.entities.insert_one(entity, lens);
@@ -311,7 +312,7 @@ fn samples(count: Option<&Spanned<u64>>, default: u32) -> Result<u32, Fault> {
     })
 }
 
-fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault> {
+fn camera(table: &Spanned<CameraTable>, warnings: &mut Vec<String>) -> Result<(DAffine3, CameraLens), Fault> {
     let (span, table) = (table.span(), table.get_ref());
     let position = check::finite_vector(&table.position, "position")?;
     let forward = match (&table.look_at, &table.direction) {
@@ -333,14 +334,15 @@ fn camera(table: &Spanned<CameraTable>) -> Result<(DAffine3, CameraLens), Fault>
         }
     };
     let up = table.up.as_ref().map_or(Ok(DVec3::Y), |up| check::direction(up, "up"))?;
-    let vertical_fov = check::between(&table.vertical_fov, 0.0, 180.0, "vertical_fov")?.to_radians();
     let near = table.near.as_ref().map_or(Ok(0.0), |near| check::non_negative(near, "near"))?;
-    let basis = Camera::new(position, forward, up, vertical_fov, near).ok_or_else(|| {
+    let projection = projection(table, &span, warnings)?;
+    let basis = Camera::with(projection, position, forward, up, near).ok_or_else(|| {
         let help = "choose an `up` that is not parallel to the view direction";
         Fault::at(span, "the camera looks along its own `up`", help)
     })?;
     let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
-    Ok((DAffine3::from_mat3_translation(axes, position), CameraLens { vertical_fov, near, aspect: None }))
+    let lens = CameraLens { projection, near, aspect: projection.own_aspect() };
+    Ok((DAffine3::from_mat3_translation(axes, position), lens))
 }
 
 fn spawn(

@@ -1,7 +1,5 @@
 //! Systems, which compute from components: world transforms, world-space shapes, the camera, the scene's extent.
 
-use std::f64::consts::PI;
-
 use glam::{DAffine3, DVec3};
 use hecs::Entity;
 
@@ -216,14 +214,15 @@ pub(super) fn camera(
     }
     let forward = to_world.transform_vector3(DVec3::NEG_Z);
     let up = to_world.transform_vector3(DVec3::Y);
-    let usable = lens.vertical_fov < PI && is_representable(to_world.translation);
-    let camera = Camera::new(to_world.translation, forward, up, lens.vertical_fov, lens.near);
-    let camera = camera.filter(|_| usable).map(|camera| Camera { side: world.side(entity), ..camera });
+    let camera = Camera::with(lens.projection, to_world.translation, forward, up, lens.near);
+    let camera = camera
+        .filter(|_| is_representable(to_world.translation))
+        .map(|camera| Camera { side: world.side(entity), ..camera });
     camera.map(|camera| Some((camera, name.clone(), lens.aspect))).ok_or_else(|| {
         world.fault(
             entity,
-            "the camera's position, direction or field of view is not usable",
-            "place it no farther than 1e18 from the origin, with a field of view between 0 and 180 degrees",
+            "the camera's position or direction is not usable",
+            "place it no farther than 1e18 from the origin, with scales that are not huge",
         )
     })
 }
@@ -283,11 +282,8 @@ mod tests {
         for aspect in [4.0 / 3.0, 0.5] {
             let camera = framing_camera(&[(bounds, 0)], aspect).unwrap();
             for corner in bounds.corners() {
-                let d = corner - camera.position;
-                let depth = d.dot(camera.forward);
-                assert!(depth > 0.0);
-                assert!((d.dot(camera.up) / depth).abs() <= camera.tan_half_fov);
-                assert!((d.dot(camera.right) / depth).abs() <= camera.tan_half_fov * aspect);
+                assert!((corner - camera.position).dot(camera.forward) > 0.0);
+                assert!(camera.sees_ball(corner, 0.0, aspect), "{corner}");
             }
         }
     }

@@ -83,7 +83,8 @@ fn the_black_hole_scene_is_the_papers_figure_5() {
     assert_eq!(baked.spacetime, SpacetimeKind::black_hole(center, 5.0));
     assert_eq!(baked.entities.len(), 9);
     assert_eq!(baked.camera.near, 140.0);
-    assert!((baked.camera.tan_half_fov - 0.5135 / 2.0).abs() < 1e-7);
+    let Projection::Perspective(perspective) = baked.camera.projection else { panic!("{:?}", baked.camera) };
+    assert!((perspective.tan_half_fov - 0.5135 / 2.0).abs() < 1e-7);
     assert_eq!(baked.materials[5].lobe, Lobe::Dielectric(Dielectric { ior: 1.5, tint: Vec3::splat(0.999) }));
     assert!(baked.warnings.is_empty());
     let flat = load(&path, &["spacetime.schwarzschild_radius=0".to_owned()]).unwrap();
@@ -293,6 +294,44 @@ fn the_cameras_own_shape_is_that_of_the_picture_unless_something_says_its_size()
     assert_eq!(size(&given), (30, 20, false));
     let set = LoadOptions { overrides: vec!["film.height=100".to_owned()], ..LoadOptions::default() };
     assert_eq!(size(&set), (640, 100, false));
+}
+
+#[test]
+fn orthographic_cameras_of_files_go_by_name_and_shape() {
+    let mut document: serde_json::Value = serde_json::from_str(&model_of(serde_json::json!([
+        { "mesh": 0 },
+        { "camera": 0, "name": "Eye", "translation": [0, 0, 5] },
+        { "camera": 1, "name": "Plan", "translation": [0, 0, 7] },
+    ])))
+    .unwrap();
+    let lens = serde_json::json!({ "xmag": 3, "ymag": 2, "zfar": 100, "znear": 0.1 });
+    let plan = serde_json::json!({ "type": "orthographic", "orthographic": lens });
+    document["cameras"].as_array_mut().unwrap().push(plan);
+    let files = SceneFolder::new(&[("a.gltf", &document.to_string())]);
+    let options = LoadOptions { camera: Some("Plan".to_owned()), ..LoadOptions::default() };
+    let baked = load_with(&files.path("a.gltf"), &options).unwrap();
+    let half_height = 2.0;
+    assert_eq!(baked.camera.projection, Projection::Orthographic(Orthographic { half_height }));
+    assert_eq!((baked.camera.position.z, baked.settings.width, baked.settings.height), (7.0, 720, 480));
+}
+
+#[test]
+fn keys_of_other_projections_are_said_and_pictures_all_around_have_their_shape() {
+    let of = |keys: &str| {
+        let text = format!("[environment]\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\n{keys}");
+        let files = SceneFolder::new(&[("a.toml", &text)]);
+        load(&files.path("a.toml"), &[]).unwrap()
+    };
+    let dome = of("projection = \"fisheye\"\nvertical_fov = 40\n");
+    assert_eq!(dome.warnings, ["camera.vertical_fov has no effect, since camera.projection is fisheye"]);
+    assert_eq!((dome.settings.width, dome.settings.height), (480, 480));
+    let around = of("projection = \"equirectangular\"\n");
+    assert_eq!((around.settings.width, around.settings.height), (960, 480));
+    let lens = of("vertical_fov = 40\naperture = 0.1\n");
+    let Projection::Perspective(Perspective { lens: Some(lens), .. }) = lens.camera.projection else {
+        panic!("{:?}", lens.camera)
+    };
+    assert_eq!((lens.radius, lens.focus_distance, lens.blades), (0.1, 5.0, 0));
 }
 
 #[test]

@@ -13,7 +13,8 @@ use super::components::{
     Name, OnFarSide, Parent,
 };
 use super::error::Fault;
-use crate::asset::{AssetError, Files, Model, ModelNode, load_gltf, load_obj};
+use super::projection::{Orthographic, Perspective, Projection};
+use crate::asset::{AssetError, Files, Model, ModelCamera, ModelNode, ModelView, load_gltf, load_obj};
 use crate::geometry::Mesh;
 use crate::shade::{Environment, Material, Texture};
 use crate::spacetime::{Side, SpacetimeKind};
@@ -171,8 +172,7 @@ impl World {
         if !shape.0.is_empty() {
             let _ = self.entities.insert_one(entity, shape);
         }
-        if let Some(camera) = node.camera {
-            let lens = CameraLens { vertical_fov: camera.vertical_fov, near: 0.0, aspect: camera.aspect };
+        if let Some(lens) = node.camera.and_then(lens) {
             let _ = self.entities.insert_one(entity, lens);
         }
         if let Some(light) = light {
@@ -280,4 +280,13 @@ impl World {
             .find_map(|entity| self.entities.get::<&AuthoredAt>(entity).ok().map(|at| at.0.clone()));
         Fault::maybe_at(span, format!("`{}`: {problem}", self.name(entity)), help)
     }
+}
+
+/// Lens of a model's camera; `None` if its field of view is not usable.
+fn lens(ModelCamera { view, aspect }: ModelCamera) -> Option<CameraLens> {
+    let projection = match view {
+        ModelView::Perspective { vertical_fov } => Projection::Perspective(Perspective::new(vertical_fov)?),
+        ModelView::Orthographic { half_height } => Projection::Orthographic(Orthographic { half_height }),
+    };
+    Some(CameraLens { projection, near: 0.0, aspect })
 }

@@ -13,7 +13,7 @@ use super::trade_off::{self, TradeOff, over_front};
 use super::way::Way;
 use crate::geometry::{Geometry, PrimitiveId};
 use crate::plot::Figure;
-use crate::scene::{Baked, Filter, Precision, Settings};
+use crate::scene::{Baked, Filter, PixelWidth, Precision, Settings};
 use crate::trace::{Ray, RayEnd, Run, Shot, Stats, shoot, transport::Outcome};
 
 /// Errors of the ends of rays, over those that end in the right way; `None` if none do.
@@ -132,8 +132,8 @@ struct ExactEnds {
     ends: Vec<Shot>,
     /// Point that distances are seen from.
     eye: DVec3,
-    /// Angle of a pixel, radians.
-    pixel: f64,
+    /// Width of a pixel.
+    pixel: PixelWidth,
 }
 
 impl ExactEnds {
@@ -143,13 +143,14 @@ impl ExactEnds {
         let size = DVec2::new(width as f64, height as f64);
         let center = |index: usize| DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
         let rays: Vec<Ray> = (0..width * height)
-            .map(|index| {
-                let (position, direction) = scene.camera.ray(center(index) / size, size.x / size.y);
-                Ray { position, direction, origin_prim: PrimitiveId::none_on(scene.camera.side) }
+            .filter_map(|index| {
+                let film = center(index) / size;
+                let (position, direction) = scene.camera.ray(film, size.x / size.y, DVec2::splat(0.5))?;
+                Some(Ray { position, direction, origin_prim: PrimitiveId::none_on(scene.camera.side) })
             })
             .collect();
         let ends = shoot(scene, &rays);
-        Self { rays, ends, eye: scene.camera.position, pixel: 2.0 * scene.camera.tan_half_fov / size.y }
+        Self { rays, ends, eye: scene.camera.position, pixel: scene.pixel() }
     }
 
     /// The errors of the rays as `scene`'s settings let them go.
@@ -166,12 +167,15 @@ impl ExactEnds {
                     let distance = landing.position.distance(exact.position);
                     position.push(distance);
                     direction.push(angle(landing.direction, exact.direction));
-                    footprint.push(distance / (self.pixel * exact.position.distance(self.eye)));
+                    footprint.push(distance / self.pixel.at(exact.position.distance(self.eye)));
                 }
                 (Outcome::Escaped(to), Outcome::Escaped(exact)) => {
                     let angle = angle(to.direction, exact.direction);
                     direction.push(angle);
-                    footprint.push(angle / self.pixel);
+                    // Parallel rays that leave show the same of infinity in all pixels.
+                    if self.pixel.angle > 0.0 {
+                        footprint.push(angle / self.pixel.angle);
+                    }
                 }
                 _ => {}
             }

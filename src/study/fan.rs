@@ -45,6 +45,9 @@ pub enum FanError {
     /// Rays start at the camera's near plane.
     #[error("the fan reaches behind the camera's near plane, where its rays start")]
     BehindNearPlane,
+    /// Parallel rays span no angle.
+    #[error("the rays of an orthographic camera are parallel, so they span no angle")]
+    NoFieldOfView,
 }
 
 /// A fan of rays, traced.
@@ -117,17 +120,13 @@ impl Fan {
         let normal = normal(options.up, in_plane, middle, camera.up).ok_or(FanError::UpAlongPlane)?;
         let right = middle.reject_from_normalized(normal).try_normalize().unwrap_or(in_plane);
         let up = normal.cross(right);
-        let half_width = camera.tan_half_fov * scene.settings.width as f64 / scene.settings.height as f64;
-        let angle = options.angle.unwrap_or(2.0 * libm::atan(half_width));
-        let near = if options.from.is_some() { 0.0 } else { camera.near };
+        let across = || camera.projection.horizontal_fov(scene.settings.aspect());
+        let angle = options.angle.or_else(across).ok_or(FanError::NoFieldOfView)?;
         let rays: Option<Vec<Ray>> = directions(angle, options.count)
             .map(|direction| {
                 let direction = direction.x * right + direction.y * up;
-                let forward = direction.dot(camera.forward);
-                let clear = near == 0.0 || forward > PARALLEL;
-                let position = if near > 0.0 { start + near / forward * direction } else { start };
-                let origin_prim = PrimitiveId::none_on(camera.side);
-                clear.then_some(Ray { position, direction, origin_prim })
+                let position = options.from.or_else(|| camera.start(direction))?;
+                Some(Ray { position, direction, origin_prim: PrimitiveId::none_on(camera.side) })
             })
             .collect();
         let rays = rays.ok_or(FanError::BehindNearPlane)?;

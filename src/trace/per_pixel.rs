@@ -11,7 +11,7 @@ use super::stages::generate::generate;
 use super::stages::intersect::intersect;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_end, record_step};
+use super::stages::record::{record_beside, record_end, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::Counters;
 use super::transport::{Landing, Outcome, Start, Transport};
@@ -42,7 +42,11 @@ fn trace_path<T: Transport>(
     counters: &mut Counters,
 ) -> Option<()> {
     let geometry = &job.scene.geometry;
-    let (mut path, position, direction) = generate(job, work, index);
+    let (mut path, ray) = generate(job, work, index);
+    let Some((position, direction)) = ray else {
+        record_beside(&path, samples);
+        return Some(());
+    };
     let mut carried = T::Carried::default();
     let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
     let mut flight = transport.launch(&Start { position, direction, origin_prim, carried });

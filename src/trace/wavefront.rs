@@ -18,7 +18,7 @@ use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_end, record_step};
+use super::stages::record::{record_beside, record_end, record_step};
 use super::stages::shade::{Shading, gather};
 use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
@@ -66,6 +66,8 @@ struct Events<C> {
     ended: Vec<(usize, RayEnd)>,
     /// Lanes whose paths have ended.
     finished: Vec<usize>,
+    /// Lanes whose paths have no camera ray.
+    beside: Vec<usize>,
 }
 
 impl<T: Transport> Wavefront<T> {
@@ -105,7 +107,7 @@ impl<T: Transport> Wavefront<T> {
             if job.halt.is_due() {
                 return None;
             }
-            let fresh = self.generate(job, transport, work, &mut next, counters);
+            let fresh = self.generate(job, transport, work, &mut next, samples, counters);
             lap.end(|times| &mut times.generate, fresh);
             let live = self.paths.len();
             if live == 0 {
@@ -155,12 +157,33 @@ impl<T: Transport> Wavefront<T> {
         transport: &T,
         work: &Work,
         next: &mut u32,
+        samples: &mut Samples,
+        counters: &mut Counters,
+    ) -> usize {
+        let mut fresh = 0;
+        loop {
+            fresh += self.fill(job, transport, work, next, samples, counters);
+            // Beside the picture of a fisheye paths end before they start.
+            if self.events.finished.is_empty() {
+                return fresh;
+            }
+        }
+    }
+
+    /// Fills lanes once; those whose paths have no camera ray are finished.
+    fn fill(
+        &mut self,
+        job: &Job,
+        transport: &T,
+        work: &Work,
+        next: &mut u32,
+        samples: &mut Samples,
         counters: &mut Counters,
     ) -> usize {
         let left = (work.paths() - *next) as usize;
         self.close_up(left);
         let Self { paths, vertices, exactly, draws, events, .. } = self;
-        let Events { finished: lanes, starts, .. } = events;
+        let Events { finished: lanes, starts, beside, .. } = events;
         let free = paths.len()..exactly.len().min(paths.len() + left - lanes.len());
         for (&lane, index) in lanes.iter().zip(*next..) {
             paths[lane] = start(job, work, index);
@@ -175,16 +198,21 @@ impl<T: Transport> Wavefront<T> {
         draws.cameras(job, lanes.iter().map(|&lane| &paths[lane]));
         for (place, &lane) in lanes.iter().enumerate() {
             let path = &paths[lane];
-            let (position, direction) = camera_ray(job, path, draws.camera(place));
+            let Some((position, direction)) = camera_ray(job, path, draws.camera(place)) else {
+                record_beside(path, samples);
+                beside.push(lane);
+                continue;
+            };
             exactly[lane] = true;
             let carried = T::Carried::default();
             let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
             starts.push((lane, Start { position, direction, origin_prim, carried }));
             counters.paths += u64::from(path.gathers != Gathers::Lamps);
         }
-        let fresh = lanes.len();
+        *next += lanes.len() as u32;
+        let fresh = starts.len();
         lanes.clear();
-        *next += fresh as u32;
+        lanes.append(beside);
         counters.rays += fresh as u64;
         transport.launch_all(starts, &mut self.flights, &mut self.scratch);
         starts.clear();

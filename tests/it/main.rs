@@ -51,6 +51,7 @@ mod light {
 
 mod pictures {
     mod background;
+    mod cameras;
     mod determinism;
     mod einstein_ring;
     mod fields;

@@ -18,7 +18,8 @@ mod transform;
 mod validate;
 
 use std::collections::{HashMap, HashSet, VecDeque};
-use std::ops::RangeInclusive;
+use std::f64::consts::PI;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -27,7 +28,7 @@ use glam::DAffine3;
 use super::error::AssetError;
 use super::files::Files;
 use super::flaw::Flaw;
-use super::model::{Model, ModelCamera, ModelNode, Part};
+use super::model::{Model, ModelCamera, ModelNode, ModelView, Part};
 use super::notes::Notes;
 use animation::Moment;
 use buffers::Buffers;
@@ -41,6 +42,8 @@ use crate::shade::{Opacity, TextureId, VertexColors};
 
 /// Width over height of pictures that somebody may want.
 const USUAL_ASPECTS: RangeInclusive<f32> = 0.01..=100.0;
+/// Half of the height of what an orthographic camera sees, exclusive.
+const USUAL_HEIGHTS: Range<f64> = 0.0..1e18;
 
 /// Reads a `.gltf` or `.glb` file: the default scene's nodes, meshes, materials, cameras and lights, `time` seconds
 /// after its animations started.
@@ -206,19 +209,32 @@ impl GltfImport {
     /// Goes by the JSON, since the crate's `Camera::projection` panics on a camera without lens.
     fn camera(&mut self, gltf: &gltf::Gltf, camera: &gltf::Camera, node: &str) -> Option<ModelCamera> {
         let json = gltf.document.as_json().cameras.get(camera.index())?;
-        if json.type_ == Checked::Valid(gltf::json::camera::Type::Orthographic) {
-            self.notes.add("orthographic cameras are ignored", node);
-            return None;
-        }
-        let Some(lens) = &json.perspective else {
-            self.notes.add("cameras without a lens (`perspective`) are ignored", node);
+        let is_orthographic = json.type_ == Checked::Valid(gltf::json::camera::Type::Orthographic);
+        let given = match (&json.orthographic, &json.perspective) {
+            (Some(lens), _) if is_orthographic => {
+                let [half_width, half_height] = [lens.xmag, lens.ymag].map(|half| f64::from(half).abs());
+                let view = ModelView::Orthographic { half_height };
+                Some((view, half_height, USUAL_HEIGHTS, Some((half_width / half_height) as f32)))
+            }
+            (_, Some(lens)) if !is_orthographic => {
+                let vertical_fov = f64::from(lens.yfov);
+                Some((ModelView::Perspective { vertical_fov }, vertical_fov, 0.0..PI, lens.aspect_ratio))
+            }
+            _ => None,
+        };
+        let Some((view, size, usual, ratio)) = given else {
+            self.notes.add("cameras without a lens (`perspective` or `orthographic`) are ignored", node);
             return None;
         };
-        let aspect = lens.aspect_ratio.filter(|aspect| USUAL_ASPECTS.contains(aspect)).map(f64::from);
-        if aspect.is_none() && lens.aspect_ratio.is_some() {
+        if !(usual.contains(&size) && size > usual.start) {
+            self.notes.add("cameras whose field of view makes no sense are ignored", node);
+            return None;
+        }
+        let aspect = ratio.filter(|aspect| USUAL_ASPECTS.contains(aspect)).map(f64::from);
+        if aspect.is_none() && ratio.is_some() {
             self.notes.add("aspect ratio that makes no sense is ignored, of camera", node);
         }
-        Some(ModelCamera { vertical_fov: lens.yfov.into(), aspect })
+        Some(ModelCamera { view, aspect })
     }
 
     fn note_ignored(&mut self, node: &gltf::Node, name: &str) {

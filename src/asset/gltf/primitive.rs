@@ -16,8 +16,8 @@ use crate::geometry::{Attributes, Mesh};
 /// Bytes of surfaces that need no reason.
 pub(super) const SMALL: usize = 1 << 20;
 /// Most bytes of surfaces per byte of the buffers: a triangle of three indices of a byte each, with its own three
-/// vertices, is 28 times as large here.
-pub(super) const MOST_PER_BYTE: usize = 64;
+/// vertices, is 28 times as large here, with texture coordinates, colours and tangents 68 times.
+pub(super) const MOST_PER_BYTE: usize = 128;
 
 /// The accessors that a surface is made of, by index, and how; primitives with the same ones are the same surface.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -114,7 +114,10 @@ fn a_strip_with_a_nested_camera_is_read() {
     assert_eq!(model.meshes[0].triangles, [[0, 1, 2], [1, 3, 2]]);
     assert_eq!(model.meshes[0].positions[3], [1.0, 1.0, 0.0]);
     assert_eq!(model.nodes[1].parent, Some(0));
-    assert_eq!(model.nodes[1].camera, Some(ModelCamera { vertical_fov: 0.5, aspect: None }));
+    assert_eq!(
+        model.nodes[1].camera,
+        Some(ModelCamera { view: ModelView::Perspective { vertical_fov: 0.5 }, aspect: None })
+    );
     assert_eq!(model.materials, [Material::default()]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }
@@ -448,23 +451,34 @@ fn surfaces_without_area_are_left_out_and_the_rest_stays() {
 
 #[test]
 fn cameras_without_a_lens_are_left_out_by_name() {
+    let without = "cameras without a lens (`perspective` or `orthographic`) are ignored: eye";
+    let strange = "cameras whose field of view makes no sense are ignored: eye";
+    let perspective = |yfov: f64| json!({ "yfov": yfov, "znear": 0.1 });
+    let orthographic = |xmag: f64, ymag: f64| json!({ "xmag": xmag, "ymag": ymag, "zfar": 1, "znear": 0 });
     for (camera, expected) in [
-        (json!({ "type": "perspective" }), "cameras without a lens (`perspective`) are ignored: eye"),
-        (
-            json!({ "type": "perspective",
-                    "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1, "znear": 0 } }),
-            "cameras without a lens (`perspective`) are ignored: eye",
-        ),
-        (json!({ "type": "orthographic" }), "orthographic cameras are ignored: eye"),
-        (
-            json!({ "type": "orthographic", "perspective": { "yfov": 0.5, "znear": 0.1 } }),
-            "orthographic cameras are ignored: eye",
-        ),
+        (json!({ "type": "perspective" }), without),
+        (json!({ "type": "perspective", "orthographic": orthographic(1.0, 1.0) }), without),
+        (json!({ "type": "orthographic" }), without),
+        (json!({ "type": "orthographic", "perspective": perspective(0.5) }), without),
+        (json!({ "type": "perspective", "perspective": perspective(0.0) }), strange),
+        (json!({ "type": "perspective", "perspective": perspective(4.0) }), strange),
+        (json!({ "type": "orthographic", "orthographic": orthographic(1.0, 0.0) }), strange),
+        (json!({ "type": "orthographic", "orthographic": orthographic(1.0, 1e30) }), strange),
     ] {
         let model = with("/cameras/0", camera);
         assert_eq!(one_line(&model), expected);
         assert_eq!(load_json(&model).unwrap().nodes[1].camera, None);
     }
+}
+
+#[test]
+fn orthographic_cameras_see_twice_their_magnitudes() {
+    let lens = json!({ "xmag": 3.0, "ymag": 2.0, "zfar": 100, "znear": 0.1 });
+    let model =
+        load_json(&with("/cameras/0", json!({ "type": "orthographic", "orthographic": lens }))).unwrap();
+    let view = ModelView::Orthographic { half_height: 2.0 };
+    assert_eq!(model.nodes[1].camera, Some(ModelCamera { view, aspect: Some(1.5) }));
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }
 
 #[test]

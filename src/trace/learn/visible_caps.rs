@@ -62,7 +62,8 @@ pub fn learn<T: Transport>(job: &Job, transport: &T, illumination: &mut Illumina
 /// Spherical lamps that the path of a pixel meets, with the normals there.
 fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) -> Vec<(PrimitiveId, DVec3)> {
     let scene = job.scene;
-    let (mut path, position, direction) = generate(job, work, pixel);
+    let (mut path, ray) = generate(job, work, pixel);
+    let Some((position, direction)) = ray else { return Vec::new() };
     let origin_prim = PrimitiveId::none_on(scene.camera.side);
     let mut start = Start { position, direction, origin_prim, carried: T::Carried::default() };
     let mut met = Vec::new();

@@ -27,26 +27,27 @@ pub fn start(job: &Job, work: &Work, index: u32) -> Path {
     }
 }
 
-/// World start and unit direction of a path's camera ray, from four numbers in [0, 1).
+/// World start and unit direction of a path's camera ray, from four numbers in [0, 1): two for the film, two for the
+/// lens. `None` beside the picture of a fisheye.
 #[inline]
-pub fn camera_ray(job: &Job, path: &Path, numbers: [f32; 4]) -> (DVec3, DVec3) {
+pub fn camera_ray(job: &Job, path: &Path, numbers: [f32; 4]) -> Option<(DVec3, DVec3)> {
     let width = job.settings.width as u32;
-    let [u, v, ..] = numbers.map(f64::from);
+    let [u, v, on_lens @ ..] = numbers.map(f64::from);
     let offset = match job.settings.filter {
         Filter::Box => DVec2::new(u, v),
         Filter::Tent => DVec2::new(0.5 + tent(u), 0.5 + tent(v)),
     };
     let size = DVec2::new(job.settings.width as f64, job.settings.height as f64);
     let corner = DVec2::new(f64::from(path.pixel % width), f64::from(path.pixel / width));
-    job.scene.camera.ray((corner + offset) / size, size.x / size.y)
+    job.scene.camera.ray((corner + offset) / size, size.x / size.y, DVec2::from(on_lens))
 }
 
 /// Both, one path at a time.
 #[inline]
-pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, DVec3, DVec3) {
+pub fn generate(job: &Job, work: &Work, index: u32) -> (Path, Option<(DVec3, DVec3)>) {
     let path = start(job, work, index);
-    let (position, direction) = camera_ray(job, &path, job.sampler.point(Draw::Ray.key(&path, 0)));
-    (path, position, direction)
+    let ray = camera_ray(job, &path, job.sampler.point(Draw::Ray.key(&path, 0)));
+    (path, ray)
 }
 
 /// A number with the density of a tent on [−1, 1].

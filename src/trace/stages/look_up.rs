@@ -41,6 +41,5 @@ fn filter_width(scene: &Baked, landing: &Landing) -> f64 {
     if landing.primitive.side() != camera.side {
         return 0.0;
     }
-    let half_pixel = camera.tan_half_fov / scene.settings.height as f64;
-    half_pixel * landing.position.distance(camera.position)
+    0.5 * scene.pixel().at(landing.position.distance(camera.position))
 }

@@ -51,6 +51,14 @@ pub fn record_end(job: &Job, path: &Path, fate: RayEnd, side: Option<Side>, samp
     }
 }
 
+/// Records a path without a camera ray, beside the picture of a fisheye: as a ray to an infinity where nothing is.
+pub fn record_beside(path: &Path, samples: &mut Samples) {
+    samples.covered[path.slot as usize] = false;
+    if samples.needs().camera_ray {
+        samples.camera_rays[path.slot as usize].fate = RayEnd::Escaped;
+    }
+}
+
 /// Adds a step, of a light ray or not, and for camera rays its length, computed only if wanted.
 #[inline]
 pub fn record_step(

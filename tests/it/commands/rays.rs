@@ -240,6 +240,11 @@ fn bad_flags_are_refused_with_a_remedy() {
         ("rays.csv", &["--up", "0,0,0"], &["along the plane", "help:"]),
         ("rays.csv", &["--from", "0,1.1,0"], &["inside the horizon", "--from"]),
         ("rays.csv", &["--fan", "200", "--set", "camera.near=1"], &["near plane", "--fan"]),
+        (
+            "rays.csv",
+            &["--set", "camera.projection=orthographic", "--set", "camera.height=4"],
+            &["parallel", "--fan"],
+        ),
         ("rays.csv", &["--stepper", "euler"], &["--stepper", "rkn4"]),
         ("none/rays.csv", &[], &["`none/rays.csv`", "help:"]),
     ];

@@ -36,7 +36,8 @@ impl Lit {
 
     /// Points on surfaces, as paths find them.
     fn receivers(&self, random: &mut Random, count: usize) -> Vec<(Receiver, PrimitiveId)> {
-        let (position, _) = self.scene.camera.ray(glam::DVec2::splat(0.5), 1.0);
+        let (position, _) =
+            self.scene.camera.ray(glam::DVec2::splat(0.5), 1.0, glam::DVec2::splat(0.5)).unwrap();
         let mut found = Vec::new();
         let mut from = Ray { position, direction: random.direction(), origin_prim: PrimitiveId::NONE };
         while found.len() < count {
