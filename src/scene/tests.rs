@@ -318,7 +318,8 @@ fn orthographic_cameras_of_files_go_by_name_and_shape() {
 #[test]
 fn keys_of_other_projections_are_said_and_pictures_all_around_have_their_shape() {
     let of = |keys: &str| {
-        let text = format!("[environment]\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\n{keys}");
+        let text =
+            format!("[environment]\ncolor = 1\n[camera]\nposition = [0, 0, 5]\nlook_at = [0, 0, 0]\n{keys}");
         let files = SceneFolder::new(&[("a.toml", &text)]);
         load(&files.path("a.toml"), &[]).unwrap()
     };
