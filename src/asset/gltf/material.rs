@@ -64,7 +64,6 @@ pub(super) fn convert<'a>(
         cutoff,
     });
     if is_unlit(material) {
-        notes.add("unlit surfaces emit their base colour, and so light what is around, in material", &name);
         let lobe = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
         let maps = Maps { emission: maps.base_color, ..Maps::default() };
         return Material { lobe, emission: base, maps, opacity, ..Material::default() };

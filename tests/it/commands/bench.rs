@@ -214,7 +214,7 @@ fn what_cannot_be_measured_is_refused() {
         (&["--sweep", "tolerance", "--tolerance", "1e-3"], &["--tolerance", "--values"]),
         (&["--sweep", "depth", "--max-depth", "3"], &["--max-depth", "--sweep depth", "--values"]),
         (&["--sweep", "batch", "--batch", "64"], &["--batch", "--sweep batch"]),
-        (&["--set", "camera.fov=1"], &["fov"]),
+        (&["--set", "camera.zoom=1"], &["zoom"]),
         (&["-o", "missing/out"], &["missing", "does not exist"]),
     ];
     for (flags, said) in cases {

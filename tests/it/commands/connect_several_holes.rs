@@ -74,8 +74,12 @@ fn the_rays_past_one_hole_are_those_of_a_hole_of_extremal_charge() {
             row.text("pair") == one.text("pair") && (row.number("t") / one.number("t") - 1.0).abs() < 1e-9
         };
         let ray = several.iter().find(is_same).unwrap_or_else(|| panic!("{one:?}"));
-        for columns in [["dx0", "dx1", "dx2"], ["dy0", "dy1", "dy2"]] {
-            assert!(ray.vector(columns).distance(one.vector(columns)) < 1e-9, "{ray:?} {one:?}");
+        // An error of the start grows on the way to the end.
+        let swing = one.number("swing");
+        for (columns, allowed) in
+            [(["dx0", "dx1", "dx2"], 1e-9), (["dy0", "dy1", "dy2"], 1e-9 + 1e-12 * swing)]
+        {
+            assert!(ray.vector(columns).distance(one.vector(columns)) < allowed, "{ray:?} {one:?}");
         }
         for (column, allowed) in [("nu_x_over_nu_y", 1e-12), ("G_xy", 1e-6), ("G_yx", 1e-6)] {
             let ratio = ray.number(column) / one.number(column);

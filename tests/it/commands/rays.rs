@@ -240,11 +240,6 @@ fn bad_flags_are_refused_with_a_remedy() {
         ("rays.csv", &["--up", "0,0,0"], &["along the plane", "help:"]),
         ("rays.csv", &["--from", "0,1.1,0"], &["inside the horizon", "--from"]),
         ("rays.csv", &["--fan", "200", "--set", "camera.near=1"], &["near plane", "--fan"]),
-        (
-            "rays.csv",
-            &["--set", "camera.projection=orthographic", "--set", "camera.height=4"],
-            &["parallel", "--fan"],
-        ),
         ("rays.csv", &["--stepper", "euler"], &["--stepper", "rkn4"]),
         ("none/rays.csv", &[], &["`none/rays.csv`", "help:"]),
     ];
@@ -253,6 +248,13 @@ fn bad_flags_are_refused_with_a_remedy() {
         assert_refused(&result, said);
         assert_eq!(fs::read_dir(place.folder()).unwrap().count(), 1);
     }
+    let flags = ["--set", "camera.projection=orthographic", "--set", "camera.height=4"];
+    let parallel = draw(&place, "rays.csv", &flags);
+    let said = String::from_utf8_lossy(&parallel.stderr);
+    assert!(
+        parallel.status.code() == Some(2) && said.contains("parallel") && said.contains("--fan"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -210,7 +210,7 @@ fn ends_in_the_table_are_what_rays_are_compared_with() {
     // The ends that `trace` writes, the first one turned a little and the last one said to escape.
     let place = folder(SCENE);
     fs::write(place.path("rays.csv"), RAYS).unwrap();
-    let ends = place.run(&["trace", "--spacetime", "schwarzschild", "rays.csv"]);
+    let ends = place.run(&["trace", "--spacetime", "schwarzschild", "rays.csv", "--stepper", "dop853"]);
     let flags = ["--steppers", "dop853", "--precisions", "f64", "--tolerances", "1e-10"];
     let ends = String::from_utf8(ends.stdout).unwrap();
     let (rows, _) = ray_rows(&place, &ends, &flags);

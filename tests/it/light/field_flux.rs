@@ -6,20 +6,20 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use crate::support::{Random, camera, film, scene_with};
+use crate::support::Random;
 use warpfront::geodesic::{
     FieldControl, FieldEnd, FieldRays, FieldTarget, JoinLimits, Rkn6, alone, follow_field, join_in_field,
 };
-use warpfront::geometry::PrimitiveId;
+use warpfront::geometry::{Geometry, PrimitiveId, Primitives};
 use warpfront::light::{FieldRegions, Incoming, LightSampler, Lights, Punctual, Receiver};
-use warpfront::scene::Baked;
+use warpfront::shade::Environment;
 use warpfront::spacetime::{Hole, IndexField, SeveralHoles};
 
 /// Radius of the sphere, scene units.
 const RADIUS: f64 = 12.0;
 /// Rays that are followed, samples that are taken, and relative standard error of their mean at most.
 const RAYS: u32 = 50_000;
-const SAMPLES: u32 = 20_000;
+const SAMPLES: u32 = 30_000;
 const ERROR: f64 = 0.05;
 /// Largest ratio of a ray's light to what it would bring in flat space.
 const BRIGHTEST: f64 = 4.0;
@@ -92,9 +92,8 @@ impl Shadow {
     /// Compares what samples bring to the sphere with what is there, and gives their ratio and its standard error. The phase
     /// space of rays is kept, n⁴ dA cos θ dΩ: `scale` makes that of the light's end one.
     fn check(&self, what: &str, scale: f64, exact: f64) -> [f64; 2] {
-        let text = camera(DVec3::ONE, DVec3::ZERO, 85.0) + &film(4, 4);
-        let Baked { geometry, materials, environment, .. } = scene_with(&text, &[]);
-        let lights = Lights::new(&geometry, (&materials, &[]), &environment, &[self.light], 0.1);
+        let nothing = Geometry::build(Primitives::default());
+        let lights = Lights::new(&nothing, (&[], &[]), &Environment::Black, &[self.light], 0.1);
         let sampler = FieldRegions::new(self.field.clone(), RADIUS, 1);
         let mut random = Random::new(1);
         let (mut sum, mut squares) = (0.0, 0.0);
