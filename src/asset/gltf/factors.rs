@@ -64,6 +64,16 @@ impl<'a> Factors<'a> {
         }
     }
 
+    /// Thickness of a film where its texture is 0, nanometres.
+    pub fn least_film(&mut self) -> f32 {
+        self.number("KHR_materials_iridescence", "iridescenceThicknessMinimum", 100.0, (0.0, THICKEST_FILM))
+    }
+
+    /// Angle of the anisotropy from the tangent, radians counter-clockwise.
+    pub fn anisotropy_rotation(&mut self) -> f32 {
+        self.number("KHR_materials_anisotropy", "anisotropyRotation", 0.0, (f32::MIN, f32::MAX))
+    }
+
     /// Share of light that the volume inside absorbs per length, if that is short; nothing if there is no volume.
     pub fn attenuation(&mut self) -> Vec3 {
         let colour = self.colour("KHR_materials_volume", "attenuationColor", Vec3::ONE, 1.0);

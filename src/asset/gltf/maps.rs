@@ -16,6 +16,10 @@ pub(super) struct MapReader<'r, 'a> {
     pub notes: &'r mut Notes,
     /// Name of the material.
     pub name: &'r str,
+    /// Thickness of a film where its texture is 0, nanometres.
+    pub least_film: f32,
+    /// Angle of the anisotropy from the tangent, radians.
+    pub rotation: f32,
 }
 
 impl<'r, 'a> MapReader<'r, 'a> {
@@ -63,10 +67,8 @@ impl<'r, 'a> MapReader<'r, 'a> {
             sheen_color: of(has_sheen, sheen, "sheenColorTexture", color),
             sheen_roughness: of(has_sheen, sheen, "sheenRoughnessTexture", data),
             iridescence: of(has_film, film, "iridescenceTexture", data),
-            film: of(has_film, film, "iridescenceThicknessTexture", data).map(|texture| {
-                let least = self.number(film, "iridescenceThicknessMinimum", 100.0).clamp(0.0, 1e6);
-                FilmMap { texture, range: [least, lobe.iridescence_thickness] }
-            }),
+            film: of(has_film, film, "iridescenceThicknessTexture", data)
+                .map(|texture| FilmMap { texture, range: [self.least_film, lobe.iridescence_thickness] }),
             anisotropy: (lobe.anisotropy > 0.0).then(|| self.anisotropy()),
             ..maps
         }
@@ -76,7 +78,7 @@ impl<'r, 'a> MapReader<'r, 'a> {
     fn anisotropy(&mut self) -> AnisotropyMap {
         let extension = "KHR_materials_anisotropy";
         let texture = self.of_extension(extension, "anisotropyTexture", Encoding::Data);
-        let (sin, cos) = libm::sincosf(self.number(extension, "anisotropyRotation", 0.0));
+        let (sin, cos) = libm::sincosf(self.rotation);
         AnisotropyMap { texture, rotation: [sin, cos] }
     }
 
@@ -117,11 +119,6 @@ impl<'r, 'a> MapReader<'r, 'a> {
         let problem = |problem| format!("{kind} texture is ignored ({problem}), in material");
         let texture = self.textures.read(info, encoding);
         texture.map_err(|why| self.notes.add(problem(why), self.name)).ok()
-    }
-
-    fn number(&self, extension: &str, key: &str, default: f32) -> f32 {
-        let number = self.value(extension, key).and_then(Value::as_f64).map(|number| number as f32);
-        number.filter(|number| number.is_finite()).unwrap_or(default)
     }
 
     fn value(&self, extension: &str, key: &str) -> Option<&'r Value> {

@@ -47,11 +47,16 @@ pub(super) fn convert<'a>(
     }
     let emission = emission(material, notes, &name);
     let mut factors = Factors::new(material);
-    let (lobe, attenuation) = (lobe(&mut factors, base, notes, &name), factors.attenuation());
+    let is_unlit = is_unlit(material);
+    let black = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
+    let lobe = if is_unlit { black } else { lobe(&mut factors, base, notes, &name) };
+    let attenuation = factors.attenuation();
+    let (least_film, rotation) = (factors.least_film(), factors.anisotropy_rotation());
     if factors.is_clamped {
         notes.add("numbers outside of what the format allows are clamped, in material", &name);
     }
-    let maps = MapReader { gltf, material, textures, notes, name: &name }.read(&lobe, emission != Vec3::ZERO);
+    let maps = MapReader { gltf, material, textures, notes, name: &name, least_film, rotation }
+        .read(&lobe, emission != Vec3::ZERO && !is_unlit);
     let cutoff = match material.alpha_mode() {
         AlphaMode::Opaque => None,
         AlphaMode::Mask => Some(Some(material.alpha_cutoff().unwrap_or(DEFAULT_CUTOFF))),
@@ -63,8 +68,7 @@ pub(super) fn convert<'a>(
         by_vertices: false,
         cutoff,
     });
-    if is_unlit(material) {
-        let lobe = Lobe::Diffuse(Diffuse { albedo: Vec3::ZERO });
+    if is_unlit {
         let maps = Maps { emission: maps.base_color, ..Maps::default() };
         return Material { lobe, emission: base, maps, opacity, ..Material::default() };
     }

@@ -10,7 +10,7 @@ use crate::geometry::{Found, Segment};
 use crate::light::Target;
 use crate::shade::Media;
 
-/// Pieces of a move, each of which is measured where its middle is.
+/// Pieces of a move through curved space, each of which is measured where its middle is.
 const PIECES: u32 = 16;
 
 /// Dims a path, or its light ray in flight, by what the glass around absorbs along a move up to what is found.
@@ -60,8 +60,9 @@ fn transmittance<T: Transport>(
     let beside = |point: Option<DVec3>| point.map_or(1.0, |point| course.parameter_beside(point));
     let end = beside(found.map(|found| found.point)).min(beside(target));
     let (side, mut start, mut length) = (transport.side(flight), course.point(0.0), 0.0);
-    for piece in 1..PIECES + 1 {
-        let next = course.point(end * f64::from(piece) / f64::from(PIECES));
+    let pieces = if T::IS_STRAIGHT { 1 } else { PIECES };
+    for piece in 1..pieces + 1 {
+        let next = course.point(end * f64::from(piece) / f64::from(pieces));
         length += job.scene.spacetime.proper_length(side, 0.5 * (start + next), next - start);
         start = next;
     }

@@ -18,7 +18,8 @@ pub enum Draw {
 }
 
 impl Draw {
-    /// Key of its numbers, at a depth (of passages: a count) of at most [`MAX_SEGMENTS`](crate::scene::MAX_SEGMENTS): 0 for the camera.
+    /// Key of its numbers, at a depth (of passages: a count) of at most [`MAX_SEGMENTS`](crate::scene::MAX_SEGMENTS): 0
+    /// for the camera.
     #[inline]
     pub fn key(self, path: &Path, depth: u32) -> Key {
         Key { pixel: path.pixel, sample: path.sample, set: ((self as u32) << 16) + depth }
