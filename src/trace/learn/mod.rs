@@ -23,8 +23,11 @@ pub struct Lesson {
 
 /// Camera paths for each path that looks around, and for each photon.
 const PATHS: [usize; 2] = [64, 4];
-/// Most paths that look around.
+/// Most paths that look around, and for how many pixels there is one in any case, of so many paths: a lamp in a small
+/// picture should be met a few times.
 const MOST_LOOKS: usize = 4096;
+const PIXELS: usize = 16;
+const LOOKS_IN_ANY_CASE: usize = 256;
 /// Most photons for each pixel, in any case in pictures of few pixels, and in all.
 const PER_PIXEL: usize = 8;
 const IN_ANY_CASE: usize = 1 << 14;
@@ -37,8 +40,9 @@ impl Lesson {
         let fours = samples.max(1).ilog2() / 2;
         let paths = pixels.saturating_mul(1 << (2 * fours));
         let most = pixels.saturating_mul(PER_PIXEL).clamp(IN_ANY_CASE, MOST_PHOTONS);
+        let least = (pixels / PIXELS).clamp(1, LOOKS_IN_ANY_CASE);
         Self {
-            looks: (paths / PATHS[0]).clamp(1, MOST_LOOKS),
+            looks: (paths / PATHS[0]).clamp(least, MOST_LOOKS),
             photons: (paths / PATHS[1]).clamp(1, most) as u32,
         }
     }
@@ -68,7 +72,7 @@ mod tests {
     #[test]
     fn every_picture_has_a_first_lesson_and_better_ones_a_few_more() {
         assert_eq!(Lesson::all(10_000, 0).len(), 1);
-        assert_eq!(Lesson::all(10_000, 3), [Lesson { looks: 156, photons: 2500 }]);
+        assert_eq!(Lesson::all(10_000, 3), [Lesson { looks: 256, photons: 2500 }]);
         let all = Lesson::all(10_000, u32::MAX);
         assert_eq!(all.len(), 4, "{all:?}");
         assert_eq!(all[3], Lesson { looks: MOST_LOOKS, photons: 80_000 });

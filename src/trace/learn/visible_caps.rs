@@ -23,8 +23,8 @@ use super::super::work::{Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::Cap;
 
-/// Fewest meetings that tell which part of a lamp is visible.
-const FEWEST: usize = 16;
+/// Fewest meetings that tell which part of a lamp is visible: so many places on a disk reach to 0.9 of its radius.
+const FEWEST: usize = 6;
 /// Share of them that counts: a few may see a lamp from behind the wall it sticks in.
 const MOST: f64 = 0.95;
 /// Room around the part that is met, relative to its angle.

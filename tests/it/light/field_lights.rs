@@ -1,6 +1,8 @@
 //! Light sampling among several holes and through lenses: regions have the densities that are said of them, and pictures
 //! are those that rays show that nothing aims; lights that are points light as past one hole.
 
+use std::f64::consts::PI;
+
 use glam::{DVec3, Vec3};
 
 use crate::support::lit::{Agreement, Twist, picture, room};
@@ -134,6 +136,32 @@ fn lights_that_are_points_are_seen_past_one_hole_as_past_a_hole_of_extremal_char
         let one = picture(&mut scene, Geodesic, 64, 2);
         Agreement::of(&one, &charged).check(&format!("{light:?}"));
     }
+}
+
+#[test]
+#[ignore = "a small ball that nothing aims at takes minutes: cargo test --release --test it a_point_among -- --ignored --nocapture"]
+fn a_point_among_several_holes_lights_a_room_as_a_small_ball_does() {
+    let (place, radius, radiance) = (DVec3::new(0.5, 3.0, -2.0), 0.3, 80.0);
+    let potential = HOLES.iter().map(|hole| hole.mass / hole.center.distance(place)).sum::<f64>() + 1.0;
+    let intensity = radiance * PI * (radius * potential).powi(2);
+    // All that the camera sees is floor and walls, so that the ball is not seen itself.
+    let room = |more: &str| {
+        let text = camera(DVec3::new(0.0, -3.0, 5.0), DVec3::new(0.0, -6.0, 4.0), 60.0)
+            + &film(16, 12)
+            + "[render]\nmax_depth = 2\n"
+            + &material("grey", 0.75, 0.0)
+            + "[[entity]]\nmesh = \"box.obj\"\nmaterial = \"grey\"\n"
+            + more;
+        let mut scene = scene_with(&text, &[("box.obj", &closed_box(DVec3::splat(-6.0), DVec3::splat(6.0)))]);
+        put_holes(&mut scene, &HOLES);
+        scene
+    };
+    let mut point = room("");
+    point.punctual = vec![Punctual::Point { position: place, intensity: Vec3::splat(intensity as f32) }];
+    let mut ball = room(&(material("lamp", 0.0, radiance) + &sphere(place, radius, "lamp")));
+    let with = picture(&mut point, Geodesic, 512, 1);
+    let without = picture(&mut ball, Off, 1 << 16, 2);
+    Agreement::of(&with, &without).check("a point and a ball");
 }
 
 #[test]
