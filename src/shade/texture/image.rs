@@ -98,20 +98,21 @@ impl MipLevel {
             return None;
         }
         let [width, height] = [self.width, self.height].map(|size| (size / 2).max(1));
-        let row = |y: usize| {
+        let columns: Vec<_> = (0..width).map(|x| covered(x, self.width, width)).collect();
+        let mut texels = vec![[0; 4]; width * height];
+        texels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             let rows = covered(y, self.height, height);
-            (0..width).map(move |x| {
-                let columns = covered(x, self.width, width);
+            for (texel, columns) in row.iter_mut().zip(&columns) {
                 let mut sum = Vec4::ZERO;
                 for (y, of_row) in rows.into_iter().filter(|(_, share)| *share > 0.0) {
-                    for (x, of_column) in columns.into_iter().filter(|(_, share)| *share > 0.0) {
-                        sum += of_row * of_column * self.texel(x, y);
+                    for (x, of_column) in columns.iter().filter(|(_, share)| *share > 0.0) {
+                        sum += of_row * of_column * self.texel(*x, y);
                     }
                 }
-                (sum * f32::from(u16::MAX)).to_array().map(|value| value.round() as u16)
-            })
-        };
-        let texels = (0..height).into_par_iter().flat_map_iter(row).collect();
+                // Rounded to the nearest.
+                *texel = (sum * f32::from(u16::MAX) + 0.5).to_array().map(|value| value as u16);
+            }
+        });
         Some(Self { width, height, raster: Raster::Linear(texels) })
     }
 }
