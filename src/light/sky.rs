@@ -27,6 +27,19 @@ pub struct Sky {
     tiles: OnceLock<SkyTiles>,
 }
 
+/// A direction drawn from a sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkySample {
+    /// Unit direction, world.
+    pub direction: DVec3,
+    /// Its density in solid angle.
+    pub density: f64,
+    /// A number in [0, 1) for use again.
+    pub left: f64,
+}
+
+/// Digits of a number that a direction takes, as their count; the rest is as random as they are.
+const DIGITS: f64 = (1u64 << 26) as f64;
 /// Probability with which the disk of a sun is chosen: in its shadow, all light is the sky's.
 const SUN_SHARE: f64 = 0.5;
 /// Rows of the picture by which directions of a clear sky are drawn.
@@ -82,17 +95,23 @@ impl Sky {
         })
     }
 
-    /// A unit direction, world, and its density in solid angle, from two numbers in [0, 1).
-    pub fn sample(&self, u: f64, v: f64) -> Option<(DVec3, f64)> {
-        let Some(sun) = &self.sun else { return self.sample_picture(u, v) };
-        let direction = if v < SUN_SHARE {
-            sun.direction(u, rescale(v, 0.0, SUN_SHARE))
-        } else {
-            self.sample_picture(u, rescale(v, SUN_SHARE, 1.0 - SUN_SHARE))?.0
+    /// A direction, from two numbers in [0, 1).
+    pub fn sample(&self, u: f64, v: f64) -> Option<SkySample> {
+        let digits = (v * DIGITS).fract();
+        let Some(sun) = &self.sun else {
+            let (direction, density) = self.sample_picture(u, v)?;
+            return Some(SkySample { direction, density, left: digits });
         };
-        Some((direction, self.density(direction)))
+        // Where the disk is hit matters less than by which way it is reached.
+        let (direction, left) = if v < SUN_SHARE {
+            (sun.direction(u, digits), rescale(v, 0.0, SUN_SHARE))
+        } else {
+            (self.sample_picture(u, rescale(v, SUN_SHARE, 1.0 - SUN_SHARE))?.0, digits)
+        };
+        Some(SkySample { direction, density: self.density(direction), left })
     }
 
+    /// A unit direction, world, and its density in solid angle, from two numbers in [0, 1).
     fn sample_picture(&self, u: f64, v: f64) -> Option<(DVec3, f64)> {
         let (row, y) = find(&self.rows, v);
         let (column, x) = find(self.row(row), u);

@@ -33,7 +33,9 @@ fn directions_of_a_clear_sky_have_the_density_that_is_said_of_them() {
     ] {
         let sky = Sky::of(&environment(keys)).expect("a bright sky");
         let samples: Vec<_> = (0..20_000)
-            .map(|_| sky.sample(random.between(0.0, 1.0), random.between(0.0, 1.0)).map(|(d, _)| d))
+            .map(|_| {
+                sky.sample(random.between(0.0, 1.0), random.between(0.0, 1.0)).map(|drawn| drawn.direction)
+            })
             .collect();
         // By columns and rows of a picture, in which solid angle has sin θ.
         let space = Space {
