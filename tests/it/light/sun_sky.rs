@@ -169,6 +169,13 @@ fn keys_of_a_clear_sky_are_checked() {
                     look_at = [0, 0, 0]\nvertical_fov = 40\n[environment.far]\nkind = \"sun-sky\"\n";
     let Ok(scene) = load(wormhole) else { panic!("a far sky") };
     assert!(matches!(scene.far.environment, Environment::SunSky(_)));
+    let lenses = "[spacetime]\nkind = \"several-holes\"\n[[spacetime.hole]]\ncenter = [0, 0, -9]\nmass = 1\n"
+        .to_owned()
+        + &camera(DVec3::ZERO, DVec3::Z, 40.0);
+    for (keys, warnings) in [("", 1), ("sun_disk = false", 0)] {
+        let Ok(scene) = load(&(lenses.clone() + &clear(keys))) else { panic!("{keys}") };
+        assert_eq!(scene.warnings.len(), warnings, "{:?}", scene.warnings);
+    }
     let night = load(&(clear("sun_elevation = -90") + &camera(DVec3::ZERO, DVec3::Z, 40.0))).unwrap();
     assert_eq!(night.environment.radiance(DVec3::Y), Vec3::ZERO);
 }
