@@ -21,7 +21,7 @@ use crate::scene::{
     self, Baked, Camera, Fisheye, LoadOptions, Orthographic, Perspective, Projection, Schedule, Settings,
     flag_name,
 };
-use crate::shade::{Environment, Lobe};
+use crate::shade::{ClearSky, Environment, Lobe, SunSky};
 use crate::spacetime::{
     ConformallyFlat, GradedLens, Hole, IndexField, IndexMedium, Lenses, SeveralHoles, Side, Sink,
     SpacetimeKind,
@@ -434,11 +434,7 @@ impl CameraReport {
 
 impl MemoryReport {
     fn of(scene: &Baked, run: &Run) -> Self {
-        let bytes = |side| match scene.environment(side) {
-            Environment::Image(image) => size_of_val(image.pixels.as_slice()),
-            _ => 0,
-        };
-        let environment = Side::BOTH.map(bytes).iter().sum::<usize>();
+        let environment = Side::BOTH.map(|side| scene.environment(side).memory_bytes()).iter().sum::<usize>();
         Self {
             geometry: scene.geometry.memory_bytes() as u64,
             textures: scene.texture_bytes() as u64,
@@ -473,7 +469,23 @@ fn environment(environment: &Environment) -> String {
             color(*zenith)
         ),
         Environment::Image(image) => format!("image of {}x{} pixels", image.width, image.height),
+        Environment::SunSky(sky) => sun_sky(sky),
     }
+}
+
+fn sun_sky(sky: &SunSky) -> String {
+    let ClearSky { elevation, azimuth, amounts, ground, .. } = sky.clear_sky;
+    let [elevation, azimuth] = [elevation, azimuth].map(|angle| rounded(angle.to_degrees(), 3));
+    let disk = match sky.disk() {
+        Some(disk) => format!("a disk of {}°", rounded(2.0 * disk.radius.to_degrees(), 3)),
+        None => "no disk".to_owned(),
+    };
+    let [air, dust, ozone] = amounts.to_array().map(|amount| rounded(amount, 3));
+    format!(
+        "clear sky: sun at {elevation}° above the horizon, {azimuth}° from -Z towards +X, {disk}; air {air}, \
+         dust {dust}, ozone {ozone}; ground {}",
+        color(ground)
+    )
 }
 
 fn film(settings: &Settings) -> String {

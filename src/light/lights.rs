@@ -137,9 +137,7 @@ impl Lights {
         let (distant, points): (Vec<Punctual>, Vec<_>) =
             punctual.iter().partition(|light| light.position().is_none());
         self.distant.extend(distant.into_iter().map(|light| (side, light)));
-        if let Environment::Image(image) = environment {
-            self.skies.extend(Sky::new(image).map(|sky| (side, sky)));
-        }
+        self.skies.extend(Sky::of(environment).map(|sky| (side, sky)));
         let before = self.points.len();
         self.points.extend(points.into_iter().map(|light| (side, light)));
         self.points.len() > before

@@ -41,5 +41,5 @@ pub use receiver::Receiver;
 pub use regions::Regions;
 pub use sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 pub use sampler::LightSampler;
-pub use sky::Sky;
+pub use sky::{Sky, SkySample};
 pub use tree::{Emission, Tree};

@@ -16,7 +16,7 @@ use super::lights::{ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
-use super::sky::Sky;
+use super::sky::{Sky, SkySample};
 use crate::geometry::Shape;
 use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
@@ -47,9 +47,6 @@ pub trait LightSampler: Send + Sync {
     /// True if the sky is sampled, too.
     fn samples_sky(&self) -> bool;
 }
-
-/// Digits of a number that a direction of the sky takes, as their count; the rest is as random as they are.
-const DIGITS: f64 = (1u64 << 26) as f64;
 
 impl<A: Aim> LightSampler for A {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
@@ -228,10 +225,9 @@ fn sample_sky<A: Aim>(
     (side, sky, pmf): (Side, &Sky, f64),
     [u, v]: [f64; 2],
 ) -> Option<LightSample> {
-    let (direction, density) = sky.sample(u, v)?;
+    let SkySample { direction, density, left } = sky.sample(u, v)?;
     let there = AtInfinity { side, direction };
-    // The direction takes the upper digits of both numbers.
-    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(there), (v * DIGITS).fract())?;
+    let (link, winding_pmf) = choose_link(aim, x, &aim.infinity(there), left)?;
     let light = Incoming::Sky(there, density * pmf * winding_pmf / link.geometry_factor);
     Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
 }

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::Camera;
 use super::systems::Bounds;
 use crate::light::Punctual;
+use crate::shade::Environment;
 use crate::spacetime::{ConformallyFlat, Mouths, SpacetimeKind, Wormhole};
 
 /// Radiance of a white surface that a picture at exposure 0 shows as nearly black.
@@ -37,6 +38,21 @@ pub(super) fn of_aim(spacetime: &SpacetimeKind) -> Option<&'static str> {
         SpacetimeKind::Spinning { .. } => Some(
             "punctual lights are seen along rays that go the near way and around the hole once; some of those that go \
              around may be missed: surfaces that emit miss nothing",
+        ),
+    }
+}
+
+/// Warning of a sun that light samples are not aimed at in a spacetime.
+pub(super) fn of_sun(spacetime: &SpacetimeKind, environment: &Environment) -> Option<&'static str> {
+    let has_disk = matches!(environment, Environment::SunSky(sky) if sky.disk().is_some());
+    match spacetime {
+        SpacetimeKind::Flat
+        | SpacetimeKind::Spherical { .. }
+        | SpacetimeKind::Wormhole { .. }
+        | SpacetimeKind::Spinning { .. } => None,
+        SpacetimeKind::Indexed(_) => has_disk.then_some(
+            "among several holes and through lenses the disk of the sun is found by chance alone, which leaves bright \
+             dots; write sun_disk = false and a light of kind \"distant\"",
         ),
     }
 }

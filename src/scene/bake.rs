@@ -51,6 +51,7 @@ pub(super) fn bake(mut world: World, wanted_camera: Option<&str>) -> Result<Bake
     if !punctual.is_empty() {
         world.warnings.extend(advice::of_aim(&world.spacetime).map(str::to_owned));
     }
+    world.warnings.extend(advice::of_sun(&world.spacetime, &world.environment).map(str::to_owned));
     warn_if_dark(&mut world, [&near, &far], &punctual, &boxes);
     if world.guesses_light_scale {
         world.notes.push(

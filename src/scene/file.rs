@@ -307,7 +307,7 @@ pub struct RenderTable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentTable {
-    /// The built-in sky, instead of a colour or an image.
+    /// A built-in sky, instead of a colour or an image.
     pub kind: Option<SkyName>,
     /// Radiance from everywhere; white if only `strength` is given.
     pub color: Option<Spanned<Triple>>,
@@ -317,6 +317,24 @@ pub struct EnvironmentTable {
     pub image: Option<Text>,
     /// Degrees about +Y, of the picture.
     pub rotation: Option<Number>,
+    /// Degrees above the horizon, of the sun of a clear sky.
+    pub sun_elevation: Option<Number>,
+    /// Degrees from −Z towards +X, of that sun.
+    pub sun_azimuth: Option<Number>,
+    /// Degrees across that sun.
+    pub sun_size: Option<Number>,
+    /// Factor on the radiance of its disk.
+    pub sun_strength: Option<Number>,
+    /// Presence of its disk.
+    pub sun_disk: Option<Spanned<bool>>,
+    /// Amount of air in a clear sky.
+    pub air: Option<Number>,
+    /// Amount of aerosols in it.
+    pub dust: Option<Number>,
+    /// Amount of ozone in it.
+    pub ozone: Option<Number>,
+    /// Reflectance of the ground below it.
+    pub ground_albedo: Option<Spanned<Triple>>,
     /// `[environment.far]`, of a wormhole's far side; black if absent.
     pub far: Option<Box<Spanned<EnvironmentTable>>>,
 }
@@ -327,6 +345,8 @@ pub struct EnvironmentTable {
 pub enum SkyName {
     /// A gradient from the ground over the horizon to the zenith.
     Sky,
+    /// A clear sky with the sun in it.
+    SunSky,
 }
 
 /// `[[material]]`.

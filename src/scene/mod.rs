@@ -27,6 +27,7 @@ mod populate;
 mod projection;
 mod settings;
 mod squash;
+mod sun_sky;
 mod surroundings;
 mod systems;
 mod text;

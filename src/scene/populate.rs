@@ -21,6 +21,7 @@ use super::listed;
 use super::material::material;
 use super::optics::projection;
 use super::settings::{MAX_PIXELS, MAX_SEGMENTS, MAX_SIDE, MAX_SPP, MAX_WINDING, Settings};
+use super::sun_sky;
 use super::world::{ModelFormat, ModelOverrides, World};
 use crate::asset::{Files, Picture, load_image};
 use crate::geometry::{Disk, Sphere};
@@ -180,8 +181,13 @@ fn environment(
         ));
     }
     if let (Some(rotation), None) = (&table.rotation, &table.image) {
-        return Err(Fault::at(rotation.span(), "`rotation` is for an `image`", "remove it"));
+        let help = match table.kind {
+            Some(SkyName::SunSky) => "write `sun_azimuth`",
+            Some(SkyName::Sky) | None => "remove it",
+        };
+        return Err(Fault::at(rotation.span(), "`rotation` is for an `image`", help));
     }
+    sun_sky::check_absent(table)?;
     let strength = match &table.strength {
         Some(strength) => check::non_negative(strength, "strength")? as f32,
         None => 1.0,
@@ -194,6 +200,7 @@ fn environment(
     }
     match (&table.kind, &table.color, &table.strength) {
         (Some(SkyName::Sky), ..) => Ok(sky(strength)),
+        (Some(SkyName::SunSky), ..) => sun_sky::sun_sky(table, strength).map(Environment::SunSky),
         (None, Some(colour), _) => Ok(Environment::Constant(check::colour(colour, "color")? * strength)),
         (None, None, Some(_)) => Ok(Environment::Constant(Vec3::splat(strength))),
         (None, None, None) => Ok(Environment::Black),

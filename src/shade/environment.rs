@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::sun_sky::SunSky;
+
 /// Radiance that arrives from infinity, by direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Environment {
@@ -20,6 +22,8 @@ pub enum Environment {
     },
     /// A latitude-longitude image.
     Image(LatLong),
+    /// A clear sky with the sun, over a plain.
+    SunSky(SunSky),
 }
 
 /// A latitude-longitude image: row 0 is +Y; the middle column is −Z, u grows towards +X.
@@ -47,6 +51,16 @@ impl Environment {
                 horizon.lerp(end, height.abs().sqrt())
             }
             Environment::Image(image) => image.radiance(direction),
+            Environment::SunSky(sky) => sky.radiance(direction),
+        }
+    }
+
+    /// Memory of its tables, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        match self {
+            Environment::Black | Environment::Constant(_) | Environment::Gradient { .. } => 0,
+            Environment::Image(image) => size_of_val(image.pixels.as_slice()),
+            Environment::SunSky(sky) => sky.memory_bytes(),
         }
     }
 

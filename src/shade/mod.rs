@@ -7,6 +7,7 @@ mod material;
 mod media;
 mod sampler;
 mod sobol;
+mod sun_sky;
 mod texture;
 
 pub(crate) use bsdf::sample_cosine;
@@ -18,6 +19,7 @@ pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, attenuation, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
+pub use sun_sky::{ClearSky, SunDisk, SunSky};
 pub use texture::{
     AnisotropyMap, FilmMap, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel, TextureId,
     UvTransform, VertexColors, Wrap,

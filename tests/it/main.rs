@@ -46,6 +46,7 @@ mod light {
     mod principled;
     mod regions;
     mod spinning_lights;
+    mod sun_sky;
     mod textures;
 }
 

@@ -16,6 +16,7 @@ use super::files::Files;
 use super::flaw::Flaw;
 use super::model::{Model, ModelNode, Part};
 use super::statements::Statements;
+use super::tangents::make_tangents;
 use super::tidy::tidy;
 use crate::geometry::{Attributes, Mesh};
 use crate::shade::Material;
@@ -97,6 +98,10 @@ impl ObjImport {
         }
         self.dropped += dropped;
         let material = section.material.unwrap_or_else(|| self.default_material());
+        let maps = &self.model.materials[material].maps;
+        if let Some(uv_set) = maps.tangents_along(|_| Some(0)) {
+            make_tangents(&mut mesh, uv_set);
+        }
         let part = Part { mesh: self.model.meshes.len(), material };
         self.model.meshes.push(mesh);
         match self.model.nodes.last_mut().filter(|node| node.name == name) {

@@ -256,7 +256,7 @@ fn directions_of_skies_have_the_density_that_is_said_of_them() {
             let samples: Vec<_> = (0..COUNT)
                 .map(|_| {
                     let [u, v] = numbers(&mut random);
-                    sky.sample(u, v).map(|(direction, density)| (from_world * direction, density))
+                    sky.sample(u, v).map(|drawn| (from_world * drawn.direction, drawn.density))
                 })
                 .collect();
             // In the picture, by columns and rows; of solid angle there is sin θ there.

@@ -1,0 +1,104 @@
+//! Statements of a library that can be read.
+
+use std::collections::HashSet;
+use std::fmt::Write;
+
+use crate::asset::notes::Notes;
+use crate::asset::statements::{Statement, Statements};
+use crate::text;
+
+/// Statements that name pictures, beside those that begin with `map_`.
+const PICTURES: [&str; 3] = ["disp", "decal", "refl"];
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Beginning of a library that Blender wrote.
+const BLENDER: &[u8] = b"# Blender";
+
+/// The statements of a library that `tobj` can read (it refuses the whole library, or panics, at others), each
+/// material named by its number.
+#[derive(Default)]
+pub struct Screened {
+    /// Text for `tobj`.
+    pub text: String,
+    /// The materials' own names.
+    pub names: Vec<String>,
+    /// True if Blender wrote the library.
+    pub is_of_blender: bool,
+    /// Values of statements of pictures that are not read.
+    pub unread: HashSet<String>,
+}
+
+impl Screened {
+    pub fn read(bytes: &[u8], notes: &mut Notes) -> std::io::Result<Self> {
+        let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+        let mut screened = Self { is_of_blender: text.starts_with(BLENDER), ..Self::default() };
+        let mut statements = Statements::new(bytes);
+        while let Some(statement) = statements.next()? {
+            screened.add(&statement, notes);
+        }
+        Ok(screened)
+    }
+
+    fn add(&mut self, statement: &Statement, notes: &mut Notes) {
+        let Statement { line, keyword, name } = *statement;
+        if keyword == "newmtl" {
+            if name.is_empty() {
+                notes.add("materials without a name cannot be used, in line", line.to_string());
+            }
+            let _ = writeln!(self.text, "newmtl {}", self.names.len());
+            self.names.push(name.to_owned());
+            return;
+        }
+        let Some(material) = self.names.last() else {
+            notes.add("statements before the first `newmtl` are left out, in line", line.to_string());
+            return;
+        };
+        let values = match keyword {
+            "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
+            "Ns" | "Ni" | "d" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => first::<f32>(statement.values()),
+            "illum" => first::<u8>(statement.values()),
+            "map_Kd" | "map_Ke" | "map_d" | "map_Pr" | "map_Pm" | "map_Bump" | "map_bump" | "bump"
+            | "norm" | "map_norm" | "map_Norm" => Some(name.to_owned()).filter(|name| !name.is_empty()),
+            _ => {
+                if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
+                    self.unread.insert(name.to_owned());
+                }
+                notes.add(format!("`{}` is ignored, in material", text::quoted(keyword)), material);
+                return;
+            }
+        };
+        // One keyword for those that mean the same.
+        let keyword = match keyword {
+            "map_bump" | "bump" => "map_Bump",
+            "map_norm" | "map_Norm" => "norm",
+            other => other,
+        };
+        match values {
+            Some(values) => {
+                // Writing to a string cannot fail.
+                let _ = writeln!(self.text, "{keyword} {values}");
+            }
+            None => {
+                let kind = "statements that cannot be read are left out, in line";
+                notes.add(kind, format!("{line}: `{}`", format!("{keyword} {name}").trim_end()));
+            }
+        }
+    }
+}
+
+/// Three numbers; one means grey, spectral and CIE XYZ colours are none.
+fn colour(values: &str) -> Option<String> {
+    let numbers: Vec<&str> =
+        values.split_whitespace().take_while(|word| word.parse::<f32>().is_ok()).take(3).collect();
+    match numbers.as_slice() {
+        [grey] if values.split_whitespace().nth(1).is_none() => Some(format!("{grey} {grey} {grey}")),
+        [_, _, _] => Some(numbers.join(" ")),
+        _ => None,
+    }
+}
+
+/// The first word, if it is a number of this type.
+fn first<T: std::str::FromStr>(values: &str) -> Option<String> {
+    let word = values.split_whitespace().next()?;
+    word.parse::<T>().is_ok().then(|| word.to_owned())
+}
