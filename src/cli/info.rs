@@ -537,7 +537,7 @@ mod tests {
         let expected = [
             "scene        a.toml",
             "Schwarzschild, r_s 4 at (0, 0, 0); isotropic radii: horizon 1, photon sphere 3.732",
-            "1 diffuse, 0 mirror, 0 dielectric, 0 principled; 0 of them emit",
+            "1 diffuse, 0 mirror, 0 dielectric, 0 principled, 0 lacquered; 0 of them emit",
             "lights       2 point, 1 spot, 0 distant",
             "at (0, 0, 5) along (0, 0, -1)",
             "640x480, 64 spp, tent filter, sobol sampler, seed 0",

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::bsdf::{Diffuse, Lobe, Principled, Variation};
+use super::bsdf::{Diffuse, Lacquered, Lobe, Principled, Variation};
 use super::media::InterfaceCrossing;
 use super::texture::{AnisotropyMap, FilmMap, Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
 use crate::geometry::MeshPoint;
@@ -78,10 +78,28 @@ impl Material {
 
     /// Unit shading normal in the world at a point of a mesh, if a texture tells.
     pub fn normal_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
-        let NormalMap { texture: TextureId(id), scale } = self.maps.normal?;
-        let texel = textures[id as usize].at(point, width);
-        let [x, y, z] = (2.0 * texel.truncate() - 1.0).to_array();
-        point.from_tangent_space([scale * x, scale * y, z].map(f64::from))
+        normal_by(self.maps.normal?, point, width, textures)
+    }
+
+    /// That of the coat.
+    pub fn clearcoat_normal_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
+        normal_by(self.maps.clearcoat_normal?, point, width, textures)
+    }
+
+    /// The material with a coat that has a normal of its own, where a map bends normals of one of both.
+    pub fn with_coat_apart(self) -> Self {
+        let are_apart = self.maps.normal.is_some() || self.maps.clearcoat_normal.is_some();
+        match self.lobe {
+            Lobe::Principled(principled) if are_apart && principled.clearcoat > 0.0 => {
+                let lobe = Lobe::Lacquered(Lacquered { principled, clearcoat_normal: DVec3::ZERO });
+                Self { lobe, ..self }
+            }
+            Lobe::Principled(_)
+            | Lobe::Diffuse(_)
+            | Lobe::Mirror(_)
+            | Lobe::Dielectric(_)
+            | Lobe::Lacquered(_) => self,
+        }
     }
 
     /// The same with textures numbered from `first` on.
@@ -134,6 +152,10 @@ impl Material {
             Lobe::Principled(lobe) => {
                 Self { lobe: Lobe::Principled(Principled { multiscatter, ..lobe }), ..self }
             }
+            Lobe::Lacquered(lobe) => {
+                let principled = Principled { multiscatter, ..lobe.principled };
+                Self { lobe: Lobe::Lacquered(Lacquered { principled, ..lobe }), ..self }
+            }
             Lobe::Diffuse(_) | Lobe::Mirror(_) | Lobe::Dielectric(_) => self,
         }
     }
@@ -147,6 +169,14 @@ impl Material {
 /// Share of light that a medium absorbs per length, if that is short: it leaves `colour` after `distance`.
 pub fn attenuation(colour: Vec3, distance: f32) -> Vec3 {
     colour.map(|share| if share < 1.0 { -libm::logf(share.max(f32::MIN_POSITIVE)) / distance } else { 0.0 })
+}
+
+/// Unit normal in the world at a point of a mesh, as a texture tells.
+fn normal_by(map: NormalMap, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
+    let NormalMap { texture: TextureId(id), scale } = map;
+    let texel = textures[id as usize].at(point, width);
+    let [x, y, z] = (2.0 * texel.truncate() - 1.0).to_array();
+    point.from_tangent_space([scale * x, scale * y, z].map(f64::from))
 }
 
 /// Factor on the strength of an anisotropy, and its direction in the world, as textures tell by `look`.

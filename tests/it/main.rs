@@ -69,6 +69,7 @@ mod files {
     mod fuzz;
     mod gltf_files;
     mod image_files;
+    mod mtl_files;
     mod scene_errors;
 }
 

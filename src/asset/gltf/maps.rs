@@ -36,7 +36,7 @@ impl<'r, 'a> MapReader<'r, 'a> {
         };
         match lobe {
             Lobe::Principled(lobe) => self.layers(lobe, maps),
-            Lobe::Diffuse(_) | Lobe::Mirror(_) | Lobe::Dielectric(_) => maps,
+            Lobe::Diffuse(_) | Lobe::Mirror(_) | Lobe::Dielectric(_) | Lobe::Lacquered(_) => maps,
         }
     }
 
@@ -49,13 +49,15 @@ impl<'r, 'a> MapReader<'r, 'a> {
         let transmission = transmission.filter(|_| lobe.transmission > 0.0);
         let (data, color) = (Encoding::Data, Encoding::Color);
         let transmission = self.plain("transmission", transmission, data);
+        let is_coated = lobe.clearcoat > 0.0;
+        let clearcoat_normal = if is_coated { self.clearcoat_normal() } else { None };
         let mut of = |is_used: bool, extension: &str, key: &str, encoding: Encoding| {
             if is_used { self.of_extension(extension, key, encoding) } else { None }
         };
         let is_opaque = lobe.metallic < 1.0 || metallic_roughness.is_some();
         let specular = "KHR_materials_specular";
         let (coat, sheen) = ("KHR_materials_clearcoat", "KHR_materials_sheen");
-        let (is_coated, has_sheen) = (lobe.clearcoat > 0.0, lobe.sheen_color != Vec3::ZERO);
+        let has_sheen = lobe.sheen_color != Vec3::ZERO;
         let (film, has_film) = ("KHR_materials_iridescence", lobe.iridescence > 0.0);
         Maps {
             metallic_roughness,
@@ -64,6 +66,7 @@ impl<'r, 'a> MapReader<'r, 'a> {
             transmission,
             clearcoat: of(is_coated, coat, "clearcoatTexture", data),
             clearcoat_roughness: of(is_coated, coat, "clearcoatRoughnessTexture", data),
+            clearcoat_normal,
             sheen_color: of(has_sheen, sheen, "sheenColorTexture", color),
             sheen_roughness: of(has_sheen, sheen, "sheenRoughnessTexture", data),
             iridescence: of(has_film, film, "iridescenceTexture", data),
@@ -72,6 +75,15 @@ impl<'r, 'a> MapReader<'r, 'a> {
             anisotropy: (lobe.anisotropy > 0.0).then(|| self.anisotropy()),
             ..maps
         }
+    }
+
+    /// Normals of the coat.
+    fn clearcoat_normal(&mut self) -> Option<NormalMap> {
+        let (extension, key) = ("KHR_materials_clearcoat", "clearcoatNormalTexture");
+        let texture = self.of_extension(extension, key, Encoding::Data)?;
+        let scale = self.value(extension, key).and_then(|info| info.get("scale")?.as_f64());
+        let scale = scale.map_or(1.0, |scale| scale as f32);
+        scale.is_finite().then_some(NormalMap { texture, scale })
     }
 
     /// Direction of the anisotropy.

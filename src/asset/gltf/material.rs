@@ -72,7 +72,8 @@ pub(super) fn convert<'a>(
         let maps = Maps { emission: maps.base_color, ..Maps::default() };
         return Material { lobe, emission: base, maps, opacity, ..Material::default() };
     }
-    Material { lobe, attenuation, emission, emits_both_sides: material.double_sided(), maps, opacity }
+    let emits_both_sides = material.double_sided();
+    Material { lobe, attenuation, emission, emits_both_sides, maps, opacity }.with_coat_apart()
 }
 
 /// True if a material looks the same in any light: it emits its base colour, and reflects nothing.
@@ -127,10 +128,6 @@ fn lobe(factors: &mut Factors, base: Vec3, notes: &mut Notes, name: &str) -> Lob
 fn note_ignored(material: &gltf::Material, notes: &mut Notes, name: &str) {
     if material.occlusion_texture().is_some() {
         notes.add("occlusion texture is ignored, since light is traced, in material", name);
-    }
-    let coat = material.extension_value("KHR_materials_clearcoat");
-    if coat.is_some_and(|coat| coat.get("clearcoatNormalTexture").is_some()) {
-        notes.add("normal texture of a coat is ignored, in material", name);
     }
     let extensions = material.extensions().into_iter().flat_map(|map| map.keys());
     for extension in extensions.filter(|extension| !READ.contains(&extension.as_str())) {

@@ -92,7 +92,7 @@ impl Converter<'_> {
             lobe.metallic = 1.0;
         }
         let maps = Maps { metallic_roughness, ..maps };
-        Material { lobe: Lobe::Principled(lobe), maps, opacity, ..plain }
+        Material { lobe: Lobe::Principled(lobe), maps, opacity, ..plain }.with_coat_apart()
     }
 
     /// Colour `Kd` and its texture; either may be missing.
@@ -234,23 +234,27 @@ fn layered(material: &tobj::Material, base: Vec3) -> Principled {
     }
 }
 
-/// The same, where it does not say `Pr` and `Pm`, as Blender encodes them: roughness in `Ns`, metal in `Ka` if `illum` is 3
-/// or 6, and its "IOR Level" in `Ks`, of which ½ is the reflectance that the index tells.
+/// The same as Blender encodes it. Where there is no `Pr` or `Pm`, roughness is in `Ns`, and metal in `Ka` if `illum` is 3 or
+/// 6. Its "IOR Level" is in `Ks`, of which ½ is the reflectance that the index tells, a quarter of `Pc` is the share that is
+/// coated, and `Tf` the share that light goes through.
 fn as_blender_writes(material: &tobj::Material, layers: Principled) -> Principled {
-    let mean = |colour: Option<[f32; 3]>| colour.map(|colour| Vec3::from(colour).element_sum() / 3.0);
-    let usual = |value: Option<f32>| value.filter(|value| !value.is_nan());
-    let shininess = usual(material.shininess).map_or(0.0, |shininess| shininess.clamp(0.0, SMOOTH));
-    let roughness = number(material, "Pr").map_or(1.0 - (shininess / SMOOTH).sqrt(), |_| layers.roughness);
+    let share = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) };
+    let mean = |colour: [f32; 3]| Vec3::from(colour).element_sum() / 3.0;
+    let shininess = material.shininess.map_or(0.0, |shininess| share(shininess / SMOOTH));
+    let roughness = number(material, "Pr").map_or(1.0 - shininess.sqrt(), |_| layers.roughness);
     let is_metal = matches!(material.illumination_model, Some(3 | 6));
     let metallic = match number(material, "Pm") {
-        None if is_metal => usual(mean(material.ambient)).unwrap_or(0.0).clamp(0.0, 1.0),
+        None if is_metal => material.ambient.map_or(0.0, |ambient| share(mean(ambient))),
         None | Some(_) => layers.metallic,
     };
     let specular = match material.illumination_model {
         Some(1) => 0.0,
-        Some(_) | None => usual(mean(material.specular)).map_or(1.0, |level| (2.0 * level).clamp(0.0, 1.0)),
+        Some(_) | None => material.specular.map_or(1.0, |level| share(2.0 * mean(level))),
     };
-    Principled { roughness, metallic, specular, ..layers }
+    let clearcoat = number(material, "Pc").map_or(0.0, |coat| share(0.25 * coat));
+    let transmission = number(material, "Tf").map_or(0.0, share);
+    let is_thin = layers.is_thin && transmission == 0.0;
+    Principled { roughness, metallic, specular, clearcoat, transmission, is_thin, ..layers }
 }
 
 /// Glass, rough if it says `Pr`.

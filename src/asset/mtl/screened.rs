@@ -53,12 +53,17 @@ impl Screened {
             notes.add("statements before the first `newmtl` are left out, in line", line.to_string());
             return;
         };
+        let is_nothing = || statement.values().parse() == Ok(0.0);
+        let keyword = canonical(keyword, self.is_of_blender);
         let values = match keyword {
+            "aniso" | "anisor" if is_nothing() => return,
+            "Tf" if self.is_of_blender => first::<f32>(statement.values()),
             "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
             "Ns" | "Ni" | "d" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => first::<f32>(statement.values()),
             "illum" => first::<u8>(statement.values()),
-            "map_Kd" | "map_Ke" | "map_d" | "map_Pr" | "map_Pm" | "map_Bump" | "map_bump" | "bump"
-            | "norm" | "map_norm" | "map_Norm" => Some(name.to_owned()).filter(|name| !name.is_empty()),
+            "map_Kd" | "map_Ke" | "map_d" | "map_Pr" | "map_Pm" | "map_Bump" | "norm" => {
+                Some(name.to_owned()).filter(|name| !name.is_empty())
+            }
             _ => {
                 if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
                     self.unread.insert(name.to_owned());
@@ -67,12 +72,6 @@ impl Screened {
                 return;
             }
         };
-        // One keyword for those that mean the same.
-        let keyword = match keyword {
-            "map_bump" | "bump" => "map_Bump",
-            "map_norm" | "map_Norm" => "norm",
-            other => other,
-        };
         match values {
             Some(values) => {
                 // Writing to a string cannot fail.
@@ -80,9 +79,22 @@ impl Screened {
             }
             None => {
                 let kind = "statements that cannot be read are left out, in line";
-                notes.add(kind, format!("{line}: `{}`", format!("{keyword} {name}").trim_end()));
+                let text = format!("{} {name}", statement.keyword);
+                notes.add(kind, format!("{line}: `{}`", text.trim_end()));
             }
         }
+    }
+}
+
+/// One keyword for those that mean the same. Blender writes pictures of its own roughness and metal, unless it is asked for
+/// the statements that others have for them, as if they were of shininess and of reflections.
+fn canonical(keyword: &str, is_of_blender: bool) -> &str {
+    match keyword {
+        "map_bump" | "bump" => "map_Bump",
+        "map_norm" | "map_Norm" => "norm",
+        "map_Ns" if is_of_blender => "map_Pr",
+        "map_refl" if is_of_blender => "map_Pm",
+        other => other,
     }
 }
 

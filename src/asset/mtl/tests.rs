@@ -247,7 +247,8 @@ fn a_library_of_blenders_is_principled_all_through() {
                 newmtl plastic\nNs 250\nKa 1 1 1\nKd .1 .2 .3\nKs .5 .5 .5\nKe 0 0 0\nNi 1.45\nd 1\nillum 2\n\
                 newmtl gold\nNs 810\nKa 1 1 1\nKd 1 .8 .3\nKs .5 .5 .5\nNi 1.5\nd 1\nillum 3\n\
                 newmtl leaf\nNs 0\nKa 1 1 1\nKd 0 1 0\nKs 0 0 0\nNi 1.5\nd 0.25\nillum 9\n\
-                newmtl matt\nNs 90\nKd 1 1 1\nKs 1 1 1\nNi 1.5\nillum 1\nPr 0.9\n";
+                newmtl matt\nNs 90\nKd 1 1 1\nKs 1 1 1\nNi 1.5\nillum 1\nPr 0.9\naniso 0.000000\nanisor 0.000000\n\
+                newmtl glass\nKd 1 1 1\nKs .5 .5 .5\nNi 1.5\nillum 2\nPr 0\nPm 0\nPc 2\nPcr 0.1\nTf 1 1 1\n";
     let (materials, warnings) = convert_text(text);
     assert!(warnings.is_empty(), "{warnings:?}");
     let plain = Principled { sheen_roughness: 0.5, ..Principled::PLAIN };
@@ -261,7 +262,16 @@ fn a_library_of_blenders_is_principled_all_through() {
         },
         Principled { base: Vec3::Y, roughness: 1.0, specular: 0.0, ..plain },
         Principled { roughness: 0.9, specular: 0.0, ..plain },
+        Principled {
+            roughness: 0.0,
+            clearcoat: 0.5,
+            clearcoat_roughness: 0.1,
+            transmission: 1.0,
+            is_thin: false,
+            ..plain
+        },
     ];
+    assert_eq!(materials.len(), expected.len());
     for (material, expected) in materials.iter().zip(expected) {
         assert_eq!(material.lobe, Lobe::Principled(expected));
     }
@@ -270,4 +280,22 @@ fn a_library_of_blenders_is_principled_all_through() {
     let (others, _) = convert_text(&text.replace("# Blender", "# Maya"));
     assert!(matches!(others[0].lobe, Lobe::Diffuse(_)) && matches!(others[1].lobe, Lobe::Mirror(_)));
     assert!(others[2].is_dielectric());
+}
+
+#[test]
+fn blender_writes_pictures_of_roughness_and_metal_as_if_of_shininess_and_reflections() {
+    let text = "# Blender 5.0.1 MTL File: 'None'\nnewmtl tex\nKa 1 1 1\nKs .5 .5 .5\nNi 1.5\nd 1\nillum 2\n\
+                map_Kd tex/e 1.png\nmap_Ns g.png\nmap_refl tex/e 1.png\nmap_Bump -bm 0.7 n.png\n";
+    let (mut libraries, warnings) = read_beside_pictures(text.as_bytes());
+    let (materials, textures) = libraries.take();
+    assert_eq!(warnings, Vec::<String>::new());
+    let Lobe::Principled(lobe) = materials[0].lobe else { panic!("{:?}", materials[0].lobe) };
+    let TextureId(id) = materials[0].maps.metallic_roughness.expect("a picture");
+    let texel = textures[id as usize].image.texel(0, [0, 0]);
+    assert_eq!((lobe.base, lobe.roughness, lobe.metallic), (Vec3::ONE, 1.0, 1.0));
+    assert!((texel.y - 0.2).abs() < 1e-4 && texel.z == 1.0, "{texel}");
+    assert_eq!(materials[0].maps.normal.map(|map| map.scale), Some(0.7));
+    // In others these are what they are called, and ignored.
+    let (others, warnings) = convert_text(&text.replace("# Blender", "# Maya"));
+    assert!(others[0].maps.metallic_roughness.is_none() && warnings.len() == 2, "{warnings:?}");
 }

@@ -7,6 +7,7 @@ mod dielectric;
 mod diffuse;
 mod ggx;
 mod interface;
+mod lacquered;
 mod local_frame;
 mod mirror;
 mod model;
@@ -22,6 +23,7 @@ use glam::{DVec3, Vec3};
 
 pub use dielectric::{Dielectric, fresnel};
 pub use diffuse::{Diffuse, sample_cosine};
+pub use lacquered::Lacquered;
 pub use mirror::Mirror;
 pub use model::Bsdf;
 pub use principled::Principled;
@@ -123,4 +125,5 @@ lobes! {
     mirror: Mirror,
     dielectric: Dielectric,
     principled: Principled,
+    lacquered: Lacquered,
 }

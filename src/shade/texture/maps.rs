@@ -73,6 +73,8 @@ pub struct Maps {
     pub clearcoat: Option<TextureId>,
     /// Roughness of the coat, in the green channel.
     pub clearcoat_roughness: Option<TextureId>,
+    /// Shading normals of the coat.
+    pub clearcoat_normal: Option<NormalMap>,
     /// Colour of the sheen.
     pub sheen_color: Option<TextureId>,
     /// Roughness of the sheen, in the opacity.
@@ -116,7 +118,7 @@ impl Maps {
 
     /// Set of texture coordinates along which tangents are asked for, by `uv_set` of a texture.
     pub fn tangents_along(&self, uv_set: impl Fn(TextureId) -> Option<usize>) -> Option<usize> {
-        let by_normals = self.normal.and_then(|map| uv_set(map.texture));
+        let by_normals = self.normal.or(self.clearcoat_normal).and_then(|map| uv_set(map.texture));
         by_normals.or_else(|| self.anisotropy?.texture.map_or(Some(0), uv_set))
     }
 
@@ -132,6 +134,7 @@ impl Maps {
             transmission,
             clearcoat,
             clearcoat_roughness,
+            clearcoat_normal,
             sheen_color,
             sheen_roughness,
             iridescence,
@@ -152,7 +155,7 @@ impl Maps {
             iridescence,
         ];
         plain.into_iter().flatten().for_each(&mut act);
-        normal.iter_mut().for_each(|map| act(&mut map.texture));
+        [normal, clearcoat_normal].into_iter().flatten().for_each(|map| act(&mut map.texture));
         film.iter_mut().for_each(|map| act(&mut map.texture));
         anisotropy.iter_mut().filter_map(|map| map.texture.as_mut()).for_each(&mut act);
     }

@@ -1,9 +1,11 @@
 //! Lookup of the material where a ray lands: textures, vertex colours and normal maps.
 
+use glam::DVec3;
+
 use super::super::transport::Landing;
 use super::meet::Meeting;
 use crate::scene::Baked;
-use crate::shade::Material;
+use crate::shade::{Lobe, Material};
 
 /// The material that a ray meets where it lands, if textures vary it, which may also change the shading normal; `None`
 /// for that of the scene as it is. What the camera `is_seen` to look at is filtered by the width of its pixels.
@@ -27,10 +29,21 @@ fn textured(
 ) -> Option<Material> {
     let point = scene.geometry.mesh_point(meeting.primitive, landing.position)?;
     let width = if is_seen { filter_width(scene, landing) } else { 0.0 };
-    if let Some(normal) = material.normal_at(&point, width, &scene.textures) {
-        [_, meeting.surface.shading_normal] = landing.stretch.normals([normal; 2]);
+    let textures = &scene.textures;
+    let at_rest = |normal: DVec3| {
+        let [_, normal] = landing.stretch.normals([normal; 2]);
+        normal
+    };
+    let mut found = material.at(&point, width, textures);
+    if let Lobe::Lacquered(lobe) = &mut found.lobe {
+        // Without normals of its own the coat lies flat over bumps of what is beneath.
+        let normal = material.clearcoat_normal_at(&point, width, textures);
+        lobe.clearcoat_normal = normal.map_or(meeting.surface.shading_normal, at_rest);
     }
-    Some(material.at(&point, width, &scene.textures))
+    if let Some(normal) = material.normal_at(&point, width, textures) {
+        meeting.surface.shading_normal = at_rest(normal);
+    }
+    Some(found)
 }
 
 /// Width at which what the camera sees is filtered: of half a pixel's beam, since the samples of a pixel filter as well.

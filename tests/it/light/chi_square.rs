@@ -15,8 +15,8 @@ use warpfront::light::{
 use warpfront::scene::Baked;
 
 use warpfront::shade::{
-    Dielectric, Diffuse, Environment, Incidence, InterfaceCrossing, LatLong, Lobe, Material, Media, Mirror,
-    Principled, Sampler, fresnel, relative_index,
+    Dielectric, Diffuse, Environment, Incidence, InterfaceCrossing, Lacquered, LatLong, Lobe, Material,
+    Media, Mirror, Principled, Sampler, fresnel, relative_index,
 };
 use warpfront::trace::transport::{Landing, Outcome};
 use warpfront::trace::{Ray, Run, shoot};
@@ -69,6 +69,20 @@ fn lobes() -> Vec<Material> {
         }),
         // A smooth coat over a rough base: the density is that of the base.
         Lobe::Principled(Principled { clearcoat: 1.0, ..Principled::PLAIN }),
+        Lobe::Lacquered(Lacquered {
+            principled: Principled { clearcoat: 1.0, clearcoat_roughness: 0.4, ..Principled::PLAIN },
+            clearcoat_normal: DVec3::new(0.6, 0.0, 0.8),
+        }),
+        Lobe::Lacquered(Lacquered {
+            principled: Principled {
+                clearcoat: 1.0,
+                clearcoat_roughness: 0.5,
+                transmission: 1.0,
+                roughness: 0.5,
+                ..Principled::PLAIN
+            },
+            clearcoat_normal: DVec3::new(0.0, 0.6, 0.8),
+        }),
     ];
     // A new kind of lobe does not compile until it is in the list.
     for lobe in all {
@@ -76,7 +90,8 @@ fn lobes() -> Vec<Material> {
             Lobe::Diffuse(Diffuse { .. })
             | Lobe::Mirror(Mirror { .. })
             | Lobe::Dielectric(Dielectric { .. })
-            | Lobe::Principled(Principled { .. }) => {}
+            | Lobe::Principled(Principled { .. })
+            | Lobe::Lacquered(Lacquered { .. }) => {}
         }
     }
     all.map(|lobe| Material { lobe, ..Material::default() }).to_vec()

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::support::Random;
 use crate::support::chi_square::Directions;
 use glam::{DVec3, Vec3};
-use warpfront::shade::{Bsdf, Incidence, Lobe, LobeQuery, Principled, SortedHits};
+use warpfront::shade::{Bsdf, Incidence, Lacquered, Lobe, LobeQuery, Principled, SortedHits};
 
 const ROUGHNESSES: [f32; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
 /// Cosines to the normal, from grazing to normal incidence.
@@ -35,7 +35,7 @@ fn numbers(index: u32) -> [f32; 4] {
 }
 
 /// Scattered share of light by sampling: of what leaves in single directions, and of what spreads.
-fn by_sampling(lobe: &Principled, incidence: &Incidence, count: u32) -> [Vec3; 2] {
+fn by_sampling(lobe: &impl Bsdf, incidence: &Incidence, count: u32) -> [Vec3; 2] {
     let mut sums = [DVec3::ZERO; 2];
     for index in 0..count {
         let bounce = lobe.sample(incidence, numbers(index));
@@ -47,6 +47,11 @@ fn by_sampling(lobe: &Principled, incidence: &Incidence, count: u32) -> [Vec3; 2
 
 /// Scattered share of light that spreads, by quadrature around the directions of mirror image and refraction.
 fn by_quadrature(lobe: &Principled, incidence: &Incidence) -> Vec3 {
+    by_quadrature_of(lobe, lobe, incidence)
+}
+
+/// That of a lobe which is as rough as a principled one.
+fn by_quadrature_of(of: &impl Bsdf, lobe: &Principled, incidence: &Incidence) -> Vec3 {
     const RINGS: usize = 800;
     const SECTORS: usize = 400;
     let coat = if lobe.clearcoat > 0.0 { lobe.clearcoat_roughness } else { 1.0 };
@@ -64,7 +69,7 @@ fn by_quadrature(lobe: &Principled, incidence: &Incidence) -> Vec3 {
             let (out, stretch) = around.at([place[0] / RINGS as f64, place[1] / SECTORS as f64]);
             if side * out.z > 0.0 {
                 let measure = 4.0 * PI * stretch / (RINGS * SECTORS) as f64;
-                sum += lobe.evaluate(incidence, out).bsdf.as_dvec3() * measure;
+                sum += of.evaluate(incidence, out).bsdf.as_dvec3() * measure;
             }
         }
     }
@@ -129,6 +134,44 @@ fn albedo_by_sampling_is_that_by_quadrature_and_never_above_one() {
     println!("{worst:?}\n{most:?}");
     assert!(worst.0 < 1e-3, "{worst:?}");
     assert!(most.0 < 1.0 + 1e-3, "{most:?}");
+}
+
+#[test]
+fn a_coat_with_a_normal_of_its_own_scatters_as_it_says_and_gains_nothing() {
+    let coated = Principled { clearcoat: 1.0, clearcoat_roughness: 0.3, roughness: 0.5, ..METAL };
+    let (mut worst, mut most) = ((0.0f32, String::new()), 0.0f32);
+    for clearcoat_normal in [DVec3::new(0.3, 0.1, 1.0), DVec3::new(-0.2, 0.7, 1.0)].map(DVec3::normalize) {
+        for principled in [
+            coated,
+            Principled { metallic: 0.0, ..coated },
+            Principled { clearcoat_roughness: 0.0, ..coated },
+        ] {
+            for cos in COSINES {
+                let (lobe, incidence) = (Lacquered { principled, clearcoat_normal }, incidence(cos, 1.0));
+                let [single, spread] = by_sampling(&lobe, &incidence, 1 << 18);
+                let exact = by_quadrature_of(&lobe, &principled, &incidence);
+                let error = (spread - exact).abs().max_element();
+                most = most.max((exact + single).max_element());
+                if error > worst.0 {
+                    worst = (error, format!("{lobe:?}, cos {cos}: {spread} {exact} {single}"));
+                }
+            }
+        }
+    }
+    println!("{worst:?} {most}");
+    assert!(worst.0 < 1e-3, "{worst:?}");
+    assert!(most < 1.0 + 1e-3, "{most}");
+    // With the normal of the surface it is the principled lobe.
+    let incidence = incidence(0.4, 1.0);
+    let plain = Lacquered { principled: coated, clearcoat_normal: DVec3::ZERO };
+    for index in 0..100 {
+        let out = coated.sample(&incidence, numbers(index)).direction;
+        let [one, other] = [plain.evaluate(&incidence, out), coated.evaluate(&incidence, out)];
+        assert!(
+            (one.bsdf - other.bsdf).abs().max_element() <= 1e-5 * other.bsdf.max_element(),
+            "{one:?} {other:?}"
+        );
+    }
 }
 
 #[test]
@@ -199,6 +242,12 @@ fn many_hits_side_by_side_are_scattered_as_one_by_one() {
         .into_iter()
         .flat_map(|roughness| variants(roughness).into_iter().map(|(_, lobe)| Lobe::Principled(lobe)))
         .collect();
+    let lacquer = ROUGHNESSES.map(|roughness| {
+        let principled =
+            Principled { roughness, clearcoat: 0.9, clearcoat_roughness: 0.2, ..Principled::PLAIN };
+        Lobe::Lacquered(Lacquered { principled, clearcoat_normal: random.direction() })
+    });
+    let lobes: Vec<Lobe> = lobes.into_iter().chain(lacquer).collect();
     let hits: Vec<(Incidence, LobeQuery)> = (0..lobes.len())
         .map(|index| {
             let normal = random.direction();

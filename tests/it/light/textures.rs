@@ -166,6 +166,46 @@ fn a_white_surface_with_a_normal_map_reflects_all_light() {
 }
 
 #[test]
+fn a_coat_has_the_normals_of_its_own_texture_and_none_of_the_base() {
+    let leaning = [242, 128, 183, 255];
+    let image = || picture(1, &[leaning]);
+    // What a smooth coat over black reflects of a white sky, looked at straight from above, goes by its normal.
+    let seen = |coat_normal: Option<Value>, base_normal: bool| {
+        let mut coated =
+            material(json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 1 } } }));
+        coated["pbrMetallicRoughness"]["baseColorFactor"] = json!([0, 0, 0, 1]);
+        if let Some(map) = coat_normal {
+            coated["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = map;
+        }
+        if base_normal {
+            coated["normalTexture"] = json!({ "index": 0 });
+        }
+        let text = "[camera]\nposition = [0, 0, 1]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\n\
+                    projection = \"orthographic\"\nheight = 1\n[environment]\ncolor = [1, 1, 1]\n"
+            .to_owned()
+            + &film(2, 2);
+        let scene = scene(&text, &[square()], &json!([coated]), &[image()]);
+        render(&scene, &Run::default()).image.channel("G").expect("G")[0]
+    };
+    let reflectance = |scale: f64| {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(leaning[axis]) / 127.5 - 1.0);
+        let cos = DVec3::new(scale * x, scale * y, z).normalize().z;
+        (0.04 + 0.96 * (1.0 - cos).powi(5)) as f32
+    };
+    for (coat_normal, base_normal, expected) in [
+        (None, false, 0.04),
+        (None, true, 0.04),
+        (Some(json!({ "index": 0 })), false, reflectance(1.0)),
+        (Some(json!({ "index": 0 })), true, reflectance(1.0)),
+        (Some(json!({ "index": 0, "scale": 2.0 })), false, reflectance(2.0)),
+    ] {
+        let found = seen(coat_normal.clone(), base_normal);
+        assert!((found - expected).abs() < 1e-5, "{coat_normal:?} {base_normal}: {found} is not {expected}");
+    }
+    assert!(reflectance(1.0) > 0.08, "{}", reflectance(1.0));
+}
+
+#[test]
 fn only_meshes_whose_materials_look_at_them_have_texture_coordinates() {
     let quads = |material: Value, images: &[RgbaImage]| {
         scene("[environment]\ncolor = [1, 1, 1]\n", &[square()], &json!([material]), images)

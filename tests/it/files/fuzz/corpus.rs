@@ -230,7 +230,8 @@ fn document(uri: Option<&str>) -> Value {
             { "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 },
                               "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0.5, 0.2] },
                               "KHR_materials_specular": { "specularFactor": 0.5, "specularColorFactor": [1, 0.5, 0.2] },
-                              "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.2 },
+                              "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.2,
+                                  "clearcoatNormalTexture": { "index": 1, "scale": 0.5, "texCoord": 0 } },
                               "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.2, 0.1], "sheenRoughnessFactor": 0.4 },
                               "KHR_materials_iridescence": { "iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessMaximum": 300 },
                               "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 1 } },
@@ -309,6 +310,9 @@ Ka 0 0 0
 Ke 3 2 1
 illum 2
 map_Kd -s 2 3 -o 0.5 -clamp on a.png
+map_Bump -bm 0.5 a.png
+map_Pr a.png
+map_Pm -imfchan r a.png
 map_Ke a.png
 map_d a.png
 newmtl glass
