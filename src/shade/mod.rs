@@ -10,9 +10,7 @@ mod sobol;
 mod texture;
 
 pub(crate) use bsdf::sample_cosine;
-pub use bsdf::{
-    Bsdf, Dielectric, Diffuse, Lobe, LobeQuery, Mirror, Principled, SortedHits, Variation, fresnel,
-};
+pub use bsdf::{Bsdf, Dielectric, Diffuse, Lobe, Mirror, Principled, SortedHits, Variation, fresnel};
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence, Response};
 pub use material::{Material, attenuation, relative_index};

@@ -1,7 +1,10 @@
 //! Lookup of the material where a ray lands: textures, vertex colours and normal maps.
 
+use glam::DVec3;
+
 use super::super::transport::Landing;
 use super::meet::Meeting;
+use crate::geometry::PrimitiveId;
 use crate::scene::Baked;
 use crate::shade::Material;
 
@@ -13,24 +16,26 @@ pub fn look_up(scene: &Baked, landing: &Landing, is_seen: bool, meeting: &mut Me
     if material.maps.is_empty() {
         return None;
     }
-    textured(scene, material, landing, is_seen, meeting)
+    // A copy, and a normal to be put in, so that both stay in registers where there are no textures.
+    let landing = *landing;
+    let (varied, normal) = textured(scene, material, (&landing, meeting.primitive), is_seen)?;
+    meeting.surface.shading_normal = normal.unwrap_or(meeting.surface.shading_normal);
+    Some(varied)
 }
 
-/// The material at a point of a mesh; what has no vertices has no textures.
+/// The material at a point of a mesh, and the shading normal if a texture tells; what has no vertices has no textures.
 #[inline(never)]
 fn textured(
     scene: &Baked,
     material: &Material,
-    landing: &Landing,
+    (landing, primitive): (&Landing, PrimitiveId),
     is_seen: bool,
-    meeting: &mut Meeting,
-) -> Option<Material> {
-    let point = scene.geometry.mesh_point(meeting.primitive, landing.position)?;
+) -> Option<(Material, Option<DVec3>)> {
+    let point = scene.geometry.mesh_point(primitive, landing.position)?;
     let width = if is_seen { filter_width(scene, landing) } else { 0.0 };
-    if let Some(normal) = material.normal_at(&point, width, &scene.textures) {
-        [_, meeting.surface.shading_normal] = landing.stretch.normals([normal; 2]);
-    }
-    Some(material.at(&point, width, &scene.textures))
+    let normal = material.normal_at(&point, width, &scene.textures);
+    let normal = normal.map(|normal| landing.stretch.normals([normal])[0]);
+    Some((material.at(&point, width, &scene.textures), normal))
 }
 
 /// Width at which what the camera sees is filtered: of half a pixel's beam, since the samples of a pixel filter as well.
