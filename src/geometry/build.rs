@@ -52,6 +52,7 @@ impl Geometry {
             others,
             triangles: Columns::default(),
             facets: Facets::default(),
+            flat: Vec::new(),
             singles,
             spheres,
             disks,
@@ -71,6 +72,11 @@ impl Geometry {
         geometry.near_spheres = geometry.near_spheres();
         meshes.iter_mut().for_each(Mesh::drop_what_shading_does_not_need);
         geometry.meshes = meshes;
+        if geometry.is_small::<Line>() {
+            let mut flat = vec![None; geometry.bvh.order().len()];
+            geometry.members().for_each(|(slot, _)| flat[slot as usize] = geometry.flat_surface(slot));
+            geometry.flat = flat;
+        }
         geometry
     }
 

@@ -12,6 +12,7 @@ use super::distance::Reach;
 use super::facets::Facets;
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 use crate::math::columns::{Columns, columns, plain_field};
+use crate::math::prefetch::prefetch;
 use crate::spacetime::Side;
 
 /// Names a primitive and the side that it is on; for triangles of an instance both numbers matter.
@@ -199,6 +200,8 @@ pub struct Geometry {
     pub(super) triangles: Columns<Triangle>,
     /// The triangles again, where the scene is small.
     pub(super) facets: Facets,
+    /// Surfaces of disks and of triangles without vertex normals, by slot, where the scene is small; `None` of others.
+    pub(super) flat: Vec<Option<SurfacePoint>>,
     /// By number of their triangles.
     pub(super) singles: Vec<Single>,
     pub(super) spheres: Vec<(Sphere, Surface)>,
@@ -372,14 +375,50 @@ impl Geometry {
         }
     }
 
+    /// Asks for the memory by which the surface of a primitive is looked up.
+    #[inline(always)]
+    pub fn prefetch_surface(&self, primitive: PrimitiveId) {
+        let (owner, PrimitiveId { item: slot, .. }) = self.owner(primitive);
+        if let Some(index) = owner.bvh.order().get(slot as usize) {
+            prefetch(index);
+        }
+    }
+
     /// The surface of `primitive` at the world point `point`.
+    #[inline(always)]
     pub fn surface_point(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
         let (owner, primitive) = self.owner(primitive);
         owner.own_surface_point(primitive, point - owner.origin)
     }
 
     /// [`Self::surface_point`] at a point relative to the origin.
+    #[inline(always)]
     fn own_surface_point(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
+        match self.flat.get(primitive.item as usize) {
+            Some(Some(surface)) => *surface,
+            Some(None) | None => {
+                // Taken apart, so that what is not looked up stays in registers.
+                let SurfacePoint { normal, shading_normal, surface } = self.looked_up(primitive, point);
+                SurfacePoint { normal, shading_normal, surface }
+            }
+        }
+    }
+
+    /// Surface that is the same all over the primitive in a slot of the top hierarchy, if it is.
+    pub(super) fn flat_surface(&self, slot: u32) -> Option<SurfacePoint> {
+        let is_flat = match self.item(slot) {
+            Item::Sphere(_) | Item::Instance(_) => false,
+            Item::Disk(_) => true,
+            Item::Triangle(number) => {
+                let placed = &self.placed[self.single(number).instance as usize];
+                self.meshes[placed.mesh as usize].normals.is_empty()
+            }
+        };
+        is_flat.then(|| self.looked_up(PrimitiveId { item: slot, triangle: 0 }, DVec3::ZERO))
+    }
+
+    #[inline(never)]
+    fn looked_up(&self, primitive: PrimitiveId, point: DVec3) -> SurfacePoint {
         match self.item(primitive.item) {
             Item::Sphere(i) => {
                 let (sphere, surface) = &self.spheres[i as usize];

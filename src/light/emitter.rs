@@ -10,8 +10,10 @@ use super::sample::Incoming;
 use super::spherical_triangle::SphericalTriangle;
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
+use crate::math::columns::columns;
 use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
+use crate::math::kernel::Kernel;
 use crate::math::rescale::rescale;
 use crate::math::sin_cos_turns;
 
@@ -71,15 +73,82 @@ impl Cap {
     }
 }
 
-/// A point on an emitter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
-    /// World position.
-    pub position: DVec3,
-    /// Unit normal, towards the front.
-    pub normal: DVec3,
-    /// Density over the area, scene units⁻².
-    pub density: f64,
+columns! {
+    /// A point on an emitter.
+    #[derive(PartialEq)]
+    pub struct Spot => SpotBlock {
+        /// World position.
+        position: DVec3,
+        /// Unit normal, towards the front.
+        normal: DVec3,
+        /// Density over the area, scene units⁻²; 0 if there is no such point.
+        density: f64,
+    }
+}
+
+columns! {
+    /// A triangle and where it is looked at from along straight lines.
+    pub struct ViewedTriangle => ViewedTriangleBlock {
+        /// Corner 0.
+        a: DVec3,
+        /// Corner 1.
+        b: DVec3,
+        /// Corner 2.
+        c: DVec3,
+        /// Position of the onlooker.
+        x: DVec3,
+    }
+}
+
+columns! {
+    /// Two numbers in [0, 1).
+    pub struct UnitSquare => UnitSquareBlock {
+        /// The first.
+        u: f64,
+        /// The second.
+        v: f64,
+    }
+}
+
+/// Kernel that chooses points on triangles.
+pub struct TrianglePoints;
+
+impl Kernel for TrianglePoints {
+    type A = ViewedTriangle;
+    type B = UnitSquare;
+    type Out = Spot;
+
+    #[inline(always)]
+    fn run(
+        &self,
+        &ViewedTriangle { a, b, c, x }: &ViewedTriangle,
+        &UnitSquare { u, v }: &UnitSquare,
+    ) -> Spot {
+        let across = (b - a).cross(c - a);
+        let double_area = across.length();
+        let normal = across / double_area;
+        let triangle = SphericalTriangle::seen([a, b, c], x);
+        let direction = triangle.sample(u, v);
+        let offset = (a - x).dot(normal) / direction.dot(normal) * direction;
+        let density = triangle.density(offset, normal);
+        let is_seen = triangle.is_seen();
+        let even = even_point([a, b, c], u, v);
+        let pick = |seen: f64, even: f64| if is_seen { seen } else { even };
+        let (seen, even_density) = (x + offset, 2.0 / double_area);
+        let position = DVec3::new(pick(seen.x, even.x), pick(seen.y, even.y), pick(seen.z, even.z));
+        let density = pick(density, even_density);
+        let is_usable = (position.length_squared() < f64::INFINITY) & (density > 0.0) & (double_area > 0.0);
+        Spot { position, normal, density: if is_usable { density } else { 0.0 } }
+    }
+}
+
+/// A point evenly over a triangle, from two numbers in [0, 1): Heitz 2019, "A Low-Distortion Map Between Triangle and
+/// Square".
+#[inline(always)]
+fn even_point([a, b, c]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
+    let is_above = v > u;
+    let (s, t) = (if is_above { 0.5 * u } else { u - 0.5 * v }, if is_above { v - 0.5 * u } else { 0.5 * v });
+    a + s * (b - a) + t * (c - a)
 }
 
 /// An ellipsoid around an emitter.
@@ -228,18 +297,11 @@ impl Emitter {
                 (disk.center + radius * (cos * tangent + sin * bitangent), disk.normal)
             }
             Form::Whole(Shape::Triangle(corners @ [a, b, c])) => {
-                let normal = (b - a).cross(c - a).try_normalize()?;
-                if let Some((triangle, x)) = seen_triangle(&corners, view) {
-                    let direction = triangle.sample(u, v);
-                    let offset = (a - x).dot(normal) / direction.dot(normal) * direction;
-                    let density = triangle.density(offset, normal);
-                    let position = x + offset;
-                    let is_usable = position.is_finite() && density > 0.0;
-                    return is_usable.then_some(Spot { position, normal, density });
+                if let View::Straight(x) = *view {
+                    let spot = TrianglePoints.run(&ViewedTriangle { a, b, c, x }, &UnitSquare { u, v });
+                    return (spot.density > 0.0).then_some(spot);
                 }
-                // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
-                let (u, v) = if v > u { (0.5 * u, v - 0.5 * u) } else { (u - 0.5 * v, 0.5 * v) };
-                (a + u * (b - a) + v * (c - a), normal)
+                (even_point(corners, u, v), (b - a).cross(c - a).try_normalize()?)
             }
         };
         let density = self.density(view, position, normal);
@@ -252,7 +314,7 @@ impl Emitter {
             Form::Cap(sphere, cap) if cap.holds(normal) => 1.0 / cap.area(sphere.radius),
             Form::Cap(..) => 0.0,
             Form::Whole(Shape::Sphere(sphere)) => sphere_density(&sphere, view, normal),
-            Form::Whole(Shape::Triangle(corners)) => match seen_triangle(&corners, view) {
+            Form::Whole(Shape::Triangle(corners)) => match seen_triangle(corners, view) {
                 Some((triangle, x)) => triangle.density(position - x, normal),
                 None => 1.0 / Shape::Triangle(corners).area(),
             },
@@ -286,9 +348,11 @@ impl Emitter {
 }
 
 /// A triangle as an onlooker at a position sees it, if that is worth while.
-fn seen_triangle(corners: &[DVec3; 3], view: &View) -> Option<(SphericalTriangle, DVec3)> {
+fn seen_triangle(corners: [DVec3; 3], view: &View) -> Option<(SphericalTriangle, DVec3)> {
     match *view {
-        View::Straight(x) => Some((SphericalTriangle::seen(corners, x)?, x)),
+        View::Straight(x) => {
+            Some((SphericalTriangle::seen(corners, x), x)).filter(|(triangle, _)| triangle.is_seen())
+        }
         View::Everywhere | View::Outside(_) => None,
     }
 }

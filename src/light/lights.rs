@@ -10,9 +10,11 @@ use super::emitter::{Cap, Emitter, Form};
 use super::mean_radiance::mean_radiance;
 use super::punctual::Punctual;
 use super::receiver::Receiver;
+use super::sample::LightQuery;
 use super::sky::Sky;
-use super::tree::{Emission, Tree};
+use super::tree::{Chances, Emission, LocalReceiver, Tree};
 use crate::geometry::{Geometry, PrimitiveId, Shape};
+use crate::math::columns::Columns;
 use crate::math::rescale::rescale;
 use crate::shade::{Environment, Material, Texture};
 use crate::spacetime::{AtInfinity, Mouths, Side};
@@ -74,6 +76,13 @@ pub(super) enum ChosenLight<'a> {
     Distant(Side, &'a Punctual, f64),
     /// A picture at infinity.
     Sky(Side, &'a Sky, f64),
+}
+
+/// Memory of choices of lights for many receivers.
+#[derive(Default)]
+pub(super) struct Choosing {
+    receivers: Columns<LocalReceiver>,
+    chances: Columns<Chances>,
 }
 
 impl Lights {
@@ -230,24 +239,70 @@ impl Lights {
         is_there.map(|is_there| if is_there { share } else { 0.0 })
     }
 
-    /// A light for `receiver`, from a number in [0, 1), and that number for use again; `None` if none that was looked at can contribute.
+    /// A light for `receiver`, from a number in [0, 1), and that number for use again; `None` if none that was looked at
+    /// can contribute.
     pub(super) fn choose(&self, receiver: &Receiver, u: f64) -> Option<(ChosenLight<'_>, f64)> {
-        let [in_world, distant, sky] = self.shares();
+        let [in_world, ..] = self.shares();
         if u < in_world {
             let tree = self.tree(receiver.on.side());
             let u = rescale(u, 0.0, in_world);
-            let (index, pmf, u) = tree.sample(receiver.position, receiver.lit_side(), u)?;
-            let pmf = in_world * pmf;
-            let light = match self.emitters.get(index as usize) {
-                Some(emitter) => ChosenLight::Surface(emitter, pmf),
-                None => {
-                    let point = index - self.emitters.len() as u32;
-                    let (side, light) = &self.points[point as usize];
-                    ChosenLight::Point(*side, light, point, pmf)
-                }
-            };
-            return Some((light, u));
+            return Some(self.in_tree(in_world, tree.sample(receiver.position, receiver.lit_side(), u)?));
         }
+        self.choose_beyond(u)
+    }
+
+    /// [`Self::choose`] for many receivers: `each` is called with the place of each, in order.
+    pub(super) fn choose_all<'a>(
+        &'a self,
+        queries: &[LightQuery],
+        choosing: &mut Choosing,
+        mut each: impl FnMut(usize, Option<(ChosenLight<'a>, f64)>),
+    ) {
+        if self.throat.is_some() {
+            for (place, LightQuery { receiver, numbers: [u, _] }) in queries.iter().enumerate() {
+                each(place, self.choose(receiver, *u));
+            }
+            return;
+        }
+        let Choosing { receivers, chances } = choosing;
+        let [in_world, ..] = self.shares();
+        receivers.grow(queries.len());
+        for (lane, LightQuery { receiver, .. }) in queries.iter().enumerate() {
+            receivers.set(lane, self.tree.receiver(receiver.position, receiver.lit_side()));
+        }
+        self.tree.chances_below_root(receivers, chances, queries.len());
+        for (lane, &LightQuery { numbers: [u, _], .. }) in queries.iter().enumerate() {
+            each(
+                lane,
+                if u < in_world {
+                    let u = rescale(u, 0.0, in_world);
+                    let chosen = self.tree.sample_below(&receivers.get(lane), chances.get(lane), u);
+                    chosen.map(|chosen| self.in_tree(in_world, chosen))
+                } else {
+                    self.choose_beyond(u)
+                },
+            );
+        }
+    }
+
+    /// The light of a choice by a tree, which was itself chosen with probability `in_world`.
+    #[inline(always)]
+    fn in_tree(&self, in_world: f64, (index, pmf, u): (u32, f64, f64)) -> (ChosenLight<'_>, f64) {
+        let pmf = in_world * pmf;
+        let light = match self.emitters.get(index as usize) {
+            Some(emitter) => ChosenLight::Surface(emitter, pmf),
+            None => {
+                let point = index - self.emitters.len() as u32;
+                let (side, light) = &self.points[point as usize];
+                ChosenLight::Point(*side, light, point, pmf)
+            }
+        };
+        (light, u)
+    }
+
+    /// A light that is in no tree.
+    fn choose_beyond(&self, u: f64) -> Option<(ChosenLight<'_>, f64)> {
+        let [in_world, distant, sky] = self.shares();
         let among = |count: usize, u: f64| {
             let index = ((u * count as f64) as usize).min(count - 1);
             (index, rescale(u * count as f64, index as f64, 1.0))

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::receiver::Receiver;
 use crate::geometry::PrimitiveId;
 use crate::spacetime::{AtInfinity, Side};
 
@@ -21,6 +22,15 @@ pub enum Target {
     SkyTile(Side, u32),
     /// A punctual light in the world, by its index.
     Point(u32),
+}
+
+/// Receiver that light is sampled for, with two numbers in [0, 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightQuery {
+    /// The receiver.
+    pub receiver: Receiver,
+    /// The numbers.
+    pub numbers: [f64; 2],
 }
 
 /// A direction in which light may come from.

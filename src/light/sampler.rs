@@ -11,13 +11,15 @@
 use glam::DVec3;
 
 use super::aim::{Aim, Link};
-use super::emitter::{Emitter, Form, Standpoint, View};
-use super::lights::{ChosenLight, Lights};
+use super::emitter::{Emitter, Form, Spot, Standpoint, TrianglePoints, UnitSquare, View, ViewedTriangle};
+use super::lights::{Choosing, ChosenLight, Lights};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
-use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
+use super::sample::{EmitterHit, Incoming, LightQuery, LightRayEnd, LightSample, Target};
 use super::sky::{Sky, SkySample};
 use crate::geometry::Shape;
+use crate::math::columns::Columns;
+use crate::math::kernel::map;
 use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
 
@@ -26,6 +28,18 @@ use crate::spacetime::{AtInfinity, Side};
 pub trait LightSampler: Send + Sync {
     /// A light sample for `receiver`, from two numbers in [0, 1); `None` if this one finds no light.
     fn sample(&self, lights: &Lights, receiver: &Receiver, numbers: [f64; 2]) -> Option<LightSample>;
+
+    /// [`Self::sample`] for many receivers.
+    fn sample_all(
+        &self,
+        lights: &Lights,
+        queries: &[LightQuery],
+        _: &mut Sampling,
+        samples: &mut Vec<Option<LightSample>>,
+    ) {
+        let sample = |query: &LightQuery| self.sample(lights, &query.receiver, query.numbers);
+        samples.extend(queries.iter().map(sample));
+    }
 
     /// Density with which [`Self::sample`] chooses the ray that leaves `receiver` in `direction` and ends on an
     /// emitter.
@@ -48,21 +62,58 @@ pub trait LightSampler: Send + Sync {
     fn samples_sky(&self) -> bool;
 }
 
+/// Memory of light sampling for many receivers.
+#[derive(Default)]
+pub struct Sampling {
+    choosing: Choosing,
+    triangles: Columns<ViewedTriangle>,
+    numbers: Columns<UnitSquare>,
+    spots: Columns<Spot>,
+}
+
 impl<A: Aim> LightSampler for A {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
         let (choice, u) = lights.choose(receiver, u)?;
-        let x = self.place(receiver.on.side(), receiver.position);
-        match choice {
-            ChosenLight::Surface(emitter, pmf) => {
-                sample_emitter(self, (&x, receiver), (emitter, pmf), [u, v])
+        sample_chosen(self, receiver, choice, [u, v])
+    }
+
+    fn sample_all(
+        &self,
+        lights: &Lights,
+        queries: &[LightQuery],
+        Sampling { choosing, triangles, numbers, spots }: &mut Sampling,
+        samples: &mut Vec<Option<LightSample>>,
+    ) {
+        let first = samples.len();
+        // Triangles along straight lines, of which there is one each.
+        let mut straight: Vec<(usize, &Emitter, f64)> = Vec::with_capacity(queries.len());
+        triangles.grow(queries.len());
+        numbers.grow(queries.len());
+        lights.choose_all(queries, choosing, |place, choice| {
+            let LightQuery { receiver, numbers: [_, v] } = &queries[place];
+            samples.push(choice.and_then(|(choice, u)| {
+                if let ChosenLight::Surface(emitter, pmf) = choice
+                    && let Form::Whole(Shape::Triangle([a, b, c])) = emitter.form
+                    && let Some(x) = self.straight_from(&self.place(receiver.on.side(), receiver.position))
+                {
+                    triangles.set(straight.len(), ViewedTriangle { a, b, c, x });
+                    numbers.set(straight.len(), UnitSquare { u, v: *v });
+                    straight.push((place, emitter, pmf));
+                    return None;
+                }
+                sample_chosen(self, receiver, choice, [u, *v])
+            }));
+        });
+        let lanes = straight.len();
+        spots.grow(lanes);
+        map(&TrianglePoints, triangles.blocks(lanes), numbers.blocks(lanes), spots.blocks_mut(lanes));
+        for (lane, (place, emitter, pmf)) in straight.into_iter().enumerate() {
+            let (spot, receiver) = (spots.get(lane), &queries[place].receiver);
+            if spot.density > 0.0 {
+                let x = self.place(receiver.on.side(), receiver.position);
+                samples[first + place] =
+                    light_of_spot(self, (&x, Standpoint::Apart), (emitter, pmf), 0, &spot);
             }
-            ChosenLight::Point(side, light, index, pmf) => {
-                sample_point(self, &x, (side, light, index, pmf), v)
-            }
-            ChosenLight::Distant(side, light, inverse_pmf) => {
-                sample_distant(self, &x, (side, light, inverse_pmf), v)
-            }
-            ChosenLight::Sky(side, sky, pmf) => sample_sky(self, &x, (side, sky, pmf), [u, v]),
         }
     }
 
@@ -115,6 +166,25 @@ impl<A: Aim> LightSampler for A {
     }
 }
 
+/// A sample of a light that was chosen, from two numbers in [0, 1).
+#[inline(always)]
+fn sample_chosen<A: Aim>(
+    aim: &A,
+    receiver: &Receiver,
+    choice: ChosenLight,
+    [u, v]: [f64; 2],
+) -> Option<LightSample> {
+    let x = aim.place(receiver.on.side(), receiver.position);
+    match choice {
+        ChosenLight::Surface(emitter, pmf) => sample_emitter(aim, (&x, receiver), (emitter, pmf), [u, v]),
+        ChosenLight::Point(side, light, index, pmf) => sample_point(aim, &x, (side, light, index, pmf), v),
+        ChosenLight::Distant(side, light, inverse_pmf) => {
+            sample_distant(aim, &x, (side, light, inverse_pmf), v)
+        }
+        ChosenLight::Sky(side, sky, pmf) => sample_sky(aim, &x, (side, sky, pmf), [u, v]),
+    }
+}
+
 fn sample_emitter<A: Aim>(
     aim: &A,
     (x, receiver): (&A::Place, &Receiver),
@@ -127,12 +197,24 @@ fn sample_emitter<A: Aim>(
     let standpoint = emitter.standpoint(receiver);
     let view = view(aim, (emitter, standpoint), x, &middle, winding);
     let spot = emitter.sample(&view, u, v)?;
-    let link = aim.link(x, &aim.place(side, spot.position), winding)?;
+    light_of_spot(aim, (x, standpoint), (emitter, pmf * winding_pmf), winding, &spot)
+}
+
+/// Light of a spot of an emitter along a ray of a winding number, which were both chosen with a probability.
+#[inline(always)]
+fn light_of_spot<A: Aim>(
+    aim: &A,
+    (x, standpoint): (&A::Place, Standpoint),
+    (emitter, pmf): (&Emitter, f64),
+    winding: u32,
+    spot: &Spot,
+) -> Option<LightSample> {
+    let link = aim.link(x, &aim.place(emitter.primitive.side(), spot.position), winding)?;
     let cos = -link.arrival.dot(spot.normal);
     if !emitter.is_lit_by(cos, standpoint) {
         return None;
     }
-    let density = pmf * winding_pmf * spot.density / (link.geometry_factor * cos.abs());
+    let density = pmf * spot.density / (link.geometry_factor * cos.abs());
     Some(LightSample {
         direction: link.direction,
         target: Target::Surface(emitter.primitive, spot.position),

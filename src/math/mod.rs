@@ -9,6 +9,7 @@ pub mod cross_exact;
 pub mod dual;
 pub(crate) mod fast_log2;
 pub mod frame;
+pub(crate) mod half_turn;
 pub(crate) mod kernel;
 pub(crate) mod prefetch;
 pub(crate) mod quadrature;

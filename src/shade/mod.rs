@@ -12,7 +12,7 @@ mod texture;
 
 pub(crate) use bsdf::sample_cosine;
 pub use bsdf::{
-    Bsdf, Dielectric, Diffuse, Lacquered, Lobe, LobeQuery, Mirror, Principled, SortedHits, Variation, fresnel,
+    Bsdf, Dielectric, Diffuse, Lacquered, Lobe, Mirror, Principled, SortedHits, Variation, fresnel,
 };
 pub use environment::{Environment, LatLong};
 pub use incidence::{Bounce, Incidence, Response};

@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::transport::{Landing, Transport};
 use super::vertex::Vertex;
 use crate::light::{
-    EmitterHit, Guide, Heuristic, Incoming, LightRayEnd, LightSample, LightSampler, Lights, Neighbourhood,
-    Receiver, StraightAim, Target, Transmission,
+    EmitterHit, Guide, Heuristic, Incoming, LightQuery, LightRayEnd, LightSample, LightSampler, Lights,
+    Neighbourhood, Receiver, Sampling, StraightAim, Target, Transmission,
 };
 use crate::scene::{Baked, LightSampling};
 use crate::shade::Environment;
@@ -127,6 +127,9 @@ impl Illumination {
     /// A direction in which light may come to `receiver`, from two numbers in [0, 1): densities and probabilities are
     /// those of the whole choice.
     pub fn sample(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
+        if !self.is_guided() {
+            return self.sampler.sample(&self.lights, receiver, [u, v]);
+        }
         let near = self.near(receiver);
         let specular = near.map_or(0.0, |near| near.share);
         if u < specular {
@@ -145,6 +148,22 @@ impl Illumination {
             Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
         };
         Some(LightSample { direction, target, light })
+    }
+
+    /// [`Self::sample`] for many receivers.
+    pub fn sample_all(
+        &self,
+        queries: &[LightQuery],
+        sampling: &mut Sampling,
+        samples: &mut Vec<Option<LightSample>>,
+    ) {
+        samples.clear();
+        if self.is_guided() {
+            let sample = |query: &LightQuery| self.sample(&query.receiver, query.numbers);
+            samples.extend(queries.iter().map(sample));
+        } else {
+            self.sampler.sample_all(&self.lights, queries, sampling, samples);
+        }
     }
 
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.
@@ -182,6 +201,10 @@ impl Illumination {
     #[inline]
     pub fn reaches(&self, target: Target, landing: &Landing) -> bool {
         let &Landing { primitive, position, direction, .. } = landing;
+        // Most rays that do not meet what they are aimed at are known at a glance.
+        if !matches!(target, Target::Surface(wanted, _) if wanted == primitive) {
+            return false;
+        }
         self.sampler.reaches(&self.lights, target, &LightRayEnd { primitive, position, direction })
     }
 

@@ -96,8 +96,10 @@ fn trace_path<T: Transport>(
                 }
                 LightRayProgress::Ended(is_reached) => is_reached,
             };
-            let Some(direction) = gather(&mut path, &mut vertex, is_reached) else { break };
-            let Vertex { position, origin_prim, .. } = vertex;
+            if !gather(&mut path, &mut vertex, is_reached) {
+                break;
+            }
+            let Vertex { position, direction, origin_prim, .. } = vertex;
             flight = transport.launch(&Start { position, direction, origin_prim, carried });
             counters.rays += 1;
             continue;

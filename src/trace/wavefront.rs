@@ -294,6 +294,7 @@ impl<T: Transport> Wavefront<T> {
                     }
                     Outcome::Landed(landing) => {
                         fates.hit += 1;
+                        geometry.prefetch_surface(landing.primitive);
                         events.landed.push((lane, landing));
                     }
                     Outcome::Escaped(there) => {
@@ -388,16 +389,14 @@ impl<T: Transport> Wavefront<T> {
         let Events { lit, starts, finished, .. } = events;
         for (lane, is_reached) in lit.drain(..) {
             let vertex = &mut vertices[lane];
-            match gather(&mut paths[lane], vertex, is_reached) {
-                Some(direction) => {
-                    let Vertex { position, origin_prim, .. } = *vertex;
-                    exactly[lane] = true;
-                    let carried = carried[lane];
-                    starts.push((lane, Start { position, direction, origin_prim, carried }));
-                    counters.rays += 1;
-                }
-                None => finished.push(lane),
+            if !gather(&mut paths[lane], vertex, is_reached) {
+                finished.push(lane);
+                continue;
             }
+            let &mut Vertex { position, direction, origin_prim, .. } = vertex;
+            exactly[lane] = true;
+            starts.push((lane, Start { position, direction, origin_prim, carried: carried[lane] }));
+            counters.rays += 1;
         }
     }
 

@@ -19,8 +19,11 @@ mod tests;
 use glam::DVec3;
 
 pub use emission::Emission;
-use node::{LightTreeNode, LocalReceiver, Subtree};
+pub use node::{Chances, LocalReceiver};
+use node::{LightTreeNode, Siblings, Subtree};
 
+use crate::math::columns::Columns;
+use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::math::rescale::rescale;
 
 /// A binary tree of emitters.
@@ -45,20 +48,54 @@ impl Tree {
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.
-    pub fn sample(&self, x: DVec3, normal: Option<DVec3>, mut u: f64) -> Option<(u32, f64, f64)> {
+    pub fn sample(&self, x: DVec3, normal: Option<DVec3>, u: f64) -> Option<(u32, f64, f64)> {
         let receiver = self.receiver(x, normal);
+        let chances = match self.root? {
+            Subtree::Emitter(_) => Chances::default(),
+            Subtree::Pair(first) => self.chances(first, &receiver),
+        };
+        self.sample_below(&receiver, chances, u)
+    }
+
+    /// The same, given the chances of the two below the root.
+    #[inline]
+    pub fn sample_below(
+        &self,
+        receiver: &LocalReceiver,
+        mut chances: Chances,
+        mut u: f64,
+    ) -> Option<(u32, f64, f64)> {
         let (mut subtree, mut probability) = (self.root?, 1.0);
         loop {
             let first = match subtree {
                 Subtree::Emitter(emitter) => return Some((emitter, probability, u)),
                 Subtree::Pair(first) => first,
             };
-            let [left, right] = self.chances(first, &receiver)?;
+            let Chances { left, right } = chances;
+            if left.is_nan() {
+                return None;
+            }
             let goes_right = u >= left;
             let (below, chance) = if goes_right { (left, 1.0 - left) } else { (0.0, left) };
             u = rescale(u, below, chance);
             probability *= if goes_right { right } else { left };
             subtree = self.nodes[first as usize + usize::from(goes_right)].subtree;
+            if let Subtree::Pair(first) = subtree {
+                chances = self.chances(first, receiver);
+            }
+        }
+    }
+
+    /// Chances of the two below the root, for `lanes` receivers: none need be compared if there is only one emitter.
+    pub fn chances_below_root(
+        &self,
+        receivers: &Columns<LocalReceiver>,
+        chances: &mut Columns<Chances>,
+        lanes: usize,
+    ) {
+        chances.resize(lanes);
+        if let Some(Subtree::Pair(first)) = self.root {
+            map(&self.siblings(first), receivers.blocks(lanes), NOTHING, chances.blocks_mut(lanes));
         }
     }
 
@@ -69,9 +106,12 @@ impl Tree {
         let Some(mut subtree) = self.root.filter(|_| polyline != 0) else { return 0.0 };
         let mut probability = 1.0;
         while let Subtree::Pair(first) = subtree {
-            let Some(chances) = self.chances(first, &receiver) else { return 0.0 };
+            let Chances { left, right } = self.chances(first, &receiver);
+            if left.is_nan() {
+                return 0.0;
+            }
             let turn = (polyline & 1) as usize;
-            probability *= chances[turn];
+            probability *= [left, right][turn];
             subtree = self.nodes[first as usize + turn].subtree;
             polyline >>= 1;
         }
@@ -83,16 +123,22 @@ impl Tree {
         self.root.is_none()
     }
 
-    fn receiver(&self, x: DVec3, normal: Option<DVec3>) -> LocalReceiver {
-        LocalReceiver { x: x - self.origin, normal }
+    /// A receiver at `x`, as the tree looks at it.
+    #[inline(always)]
+    pub fn receiver(&self, x: DVec3, normal: Option<DVec3>) -> LocalReceiver {
+        let is_one_sided = normal.is_some();
+        LocalReceiver { x: x - self.origin, normal: normal.unwrap_or(DVec3::ZERO), is_one_sided }
     }
 
-    /// Probabilities of two siblings; `None` if neither can contribute.
-    #[inline]
-    fn chances(&self, first: u32, receiver: &LocalReceiver) -> Option<[f64; 2]> {
+    #[inline(always)]
+    fn siblings(&self, first: u32) -> Siblings<'_> {
         let first = first as usize;
-        let importances = [first, first + 1].map(|i| self.nodes[i].importance(receiver, self.floor));
-        let sum = importances[0] + importances[1];
-        (sum > 0.0).then(|| importances.map(|importance| importance / sum))
+        Siblings { nodes: [&self.nodes[first], &self.nodes[first + 1]], floor: self.floor }
+    }
+
+    /// Probabilities of two siblings.
+    #[inline(always)]
+    fn chances(&self, first: u32, receiver: &LocalReceiver) -> Chances {
+        self.siblings(first).run(receiver, &())
     }
 }

@@ -5,6 +5,8 @@
 use glam::{DVec3, Vec3};
 
 use super::cluster::Cluster;
+use crate::math::columns::columns;
+use crate::math::kernel::Kernel;
 
 /// A cluster in f32: the cost of a choice is that of reading nodes, and every rounding makes the cluster larger.
 #[derive(Clone, Copy)]
@@ -32,12 +34,49 @@ pub enum Subtree {
     Pair(u32),
 }
 
-/// Receiver of light, relative to the tree's origin.
-pub struct LocalReceiver {
-    /// Position.
-    pub x: DVec3,
-    /// Unit normal on the side that is lit; `None`: no surface, or one unknown.
-    pub normal: Option<DVec3>,
+columns! {
+    /// Receiver of light, relative to the tree's origin.
+    pub struct LocalReceiver => LocalReceiverBlock {
+        /// Position.
+        x: DVec3,
+        /// Unit normal on the side that is lit, if that matters.
+        normal: DVec3,
+        /// False if there is no surface, or one unknown.
+        is_one_sided: bool,
+    }
+}
+
+columns! {
+    /// Probabilities of two siblings; not numbers if neither can contribute.
+    pub struct Chances => ChancesBlock {
+        /// Of the first.
+        left: f64,
+        /// Of the second.
+        right: f64,
+    }
+}
+
+/// Two siblings, as the kernel of the choice between them.
+pub struct Siblings<'a> {
+    /// The nodes.
+    pub nodes: [&'a LightTreeNode; 2],
+    /// Least factor of each orientation.
+    pub floor: f64,
+}
+
+impl Kernel for Siblings<'_> {
+    type A = LocalReceiver;
+    type B = ();
+    type Out = Chances;
+
+    #[inline(always)]
+    fn run(&self, receiver: &LocalReceiver, (): &()) -> Chances {
+        // Written out: a closure over both would be called, and lanes would not run side by side.
+        let [left, right] = self.nodes;
+        let (left, right) = (left.importance(receiver, self.floor), right.importance(receiver, self.floor));
+        let sum = left + right;
+        Chances { left: left / sum, right: right / sum }
+    }
 }
 
 /// Cosines of a node are this inexact: its axis and angles are rounded.
@@ -71,18 +110,17 @@ impl LightTreeNode {
     }
 
     /// Importance \[C, P\], finite and at least 0; 0 only where nothing in the cluster can contribute.
-    #[inline]
-    pub fn importance(&self, receiver: &LocalReceiver, floor: f64) -> f64 {
+    ///
+    /// Choices are factors and bounds: as choices of what is computed they would become branches.
+    #[inline(always)]
+    fn importance(&self, receiver: &LocalReceiver, floor: f64) -> f64 {
         let from = receiver.x - self.middle.as_dvec3();
         let (square, radius2) = (from.length_squared(), f64::from(self.radius) * f64::from(self.radius));
         let intensity = f64::from(self.power) / square.max(NEAREST * NEAREST * radius2).max(SMALLEST_SQUARE);
-        if square <= radius2 {
-            return intensity;
-        }
         // Roots of squares, none of another root: half the time of a choice is the wait for them.
         let inverse2 = square.recip();
         let inverse = inverse2.sqrt();
-        let sin2 = radius2 * inverse2;
+        let sin2 = (radius2 * inverse2).min(1.0);
         let subtended = Angle { cos: (1.0 - sin2).max(0.0).sqrt(), sin: sin2.sqrt() };
         let to = |unit: DVec3, both_ways: bool| {
             let along = unit.dot(from);
@@ -92,16 +130,14 @@ impl LightTreeNode {
         };
         let normals = Angle { cos: self.cos_normals.into(), sin: self.sin_normals.into() };
         let cos = to(self.axis.as_dvec3(), self.both_sides).less(normals).less(subtended).cos;
+        let one_if = |yes: bool| if yes { 1.0 } else { 0.0 };
         let shines = cos > f64::from(self.cos_emission) - COSINE_ERROR;
-        let emitted = if shines { cos.max(COSINE_ERROR) } else { 0.0 };
-        let received = match receiver.normal {
-            Some(normal) => {
-                let cos = to(-normal, false).less(subtended).cos;
-                if cos > -COSINE_ERROR { cos.max(COSINE_ERROR) } else { 0.0 }
-            }
-            None => 1.0,
-        };
-        intensity * emitted.max(floor) * received.max(floor)
+        let emitted = one_if(shines) * cos.max(COSINE_ERROR);
+        let cos = to(-receiver.normal, false).less(subtended).cos;
+        let faced = one_if(cos > -COSINE_ERROR) * cos.max(COSINE_ERROR);
+        let received = faced.max(one_if(!receiver.is_one_sided));
+        let oriented = emitted.max(floor) * received.max(floor);
+        intensity * oriented.max(one_if(square <= radius2))
     }
 }
 
@@ -114,13 +150,12 @@ struct Angle {
 
 impl Angle {
     /// The difference, at least 0.
-    #[inline]
+    #[inline(always)]
     fn less(self, other: Angle) -> Angle {
         let cos = self.cos * other.cos + self.sin * other.sin;
         let sin = self.sin * other.cos - self.cos * other.sin;
-        // Two choices of numbers, not one of ways: which it is cannot be predicted.
-        let smaller = self.cos >= other.cos;
-        Angle { cos: if smaller { 1.0 } else { cos }, sin: if smaller { 0.0 } else { sin } }
+        let (least, share) = if self.cos >= other.cos { (1.0, 0.0) } else { (-1.0, 1.0) };
+        Angle { cos: cos.max(least), sin: share * sin }
     }
 }
 

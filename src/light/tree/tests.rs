@@ -115,11 +115,14 @@ fn loss(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> f64 {
     let mut pending: Vec<(Subtree, f64)> = tree.root.map(|root| (root, 1.0)).into_iter().collect();
     while let Some((subtree, probability)) = pending.pop() {
         let Subtree::Pair(first) = subtree else { continue };
-        match tree.chances(first, &receiver) {
-            None => lost += probability,
-            Some(chances) => pending
-                .extend((0..2).map(|i| (tree.nodes[first as usize + i].subtree, probability * chances[i]))),
+        let Chances { left, right } = tree.chances(first, &receiver);
+        if left.is_nan() {
+            lost += probability;
+            continue;
         }
+        let below = (0..).zip([left, right]);
+        pending
+            .extend(below.map(|(i, chance)| (tree.nodes[first as usize + i].subtree, probability * chance)));
     }
     lost
 }

@@ -28,7 +28,6 @@ pub use mirror::Mirror;
 pub use model::Bsdf;
 pub use principled::Principled;
 use sorted::HitsOn;
-pub use sorted::LobeQuery;
 pub use variation::Variation;
 
 use super::incidence::{Bounce, Incidence, Response};
@@ -95,26 +94,27 @@ macro_rules! lobes {
         #[derive(Default)]
         pub struct SortedHits {
             $($hits: HitsOn<$name>,)*
-            scattered: Vec<(Bounce, Response)>,
+            count: usize,
         }
 
         impl SortedHits {
             /// Takes a hit on a lobe; hits are numbered as they come.
             #[inline(always)]
-            pub fn push(&mut self, lobe: &Lobe, incidence: &Incidence, query: &LobeQuery) {
-                let number = self.scattered.len();
-                self.scattered.push(Default::default());
-                match lobe { $(Lobe::$name(lobe) => self.$hits.push(number, lobe, incidence, query),)* }
+            pub fn push(&mut self, lobe: &Lobe, incidence: &Incidence, u: [f32; 4]) {
+                let number = self.count;
+                self.count += 1;
+                match lobe { $(Lobe::$name(lobe) => self.$hits.push(number, lobe, incidence, u),)* }
             }
 
-            /// What [`Lobe::sample`] and [`Lobe::evaluate`] make of the hits, by number, and forgets these.
-            pub fn scatter(&mut self, mut each: impl FnMut(usize, &Bounce, &Response)) {
-                let Self { $($hits,)* scattered } = self;
-                $($hits.scatter(scattered);)*
-                for (number, (bounce, response)) in scattered.iter().enumerate() {
-                    each(number, bounce, response);
-                }
-                scattered.clear();
+            /// What [`Lobe::sample`] and [`Lobe::evaluate`] towards the directions `out` by number make of the hits, lobe after
+            /// lobe; forgets these.
+            pub fn scatter(
+                &mut self,
+                out: impl Fn(usize) -> DVec3,
+                mut each: impl FnMut(usize, &Bounce, &Response),
+            ) {
+                $(self.$hits.scatter(&out, &mut each);)*
+                self.count = 0;
             }
         }
     };

@@ -12,7 +12,7 @@ use crate::shade::incidence::{Bounce, Incidence, Response};
 plain_field!([f32; 4]);
 
 columns! {
-    /// What is asked of a lobe where it is hit.
+    /// Query to a lobe where it is hit.
     pub struct LobeQuery => LobeQueryBlock {
         /// Four numbers in [0, 1) for a continuation.
         u: [f32; 4],
@@ -39,23 +39,27 @@ impl<L: Bsdf> Default for HitsOn<L> {
 
 impl<L: Bsdf> HitsOn<L> {
     #[inline(always)]
-    pub fn push(&mut self, number: usize, lobe: &L, incidence: &Incidence, query: &LobeQuery) {
+    pub fn push(&mut self, number: usize, lobe: &L, incidence: &Incidence, u: [f32; 4]) {
         let lane = self.numbers.len();
         self.numbers.push(number);
         self.hits.grow(lane + 1);
         self.queries.grow(lane + 1);
         self.hits.set(lane, (*lobe, *incidence));
-        self.queries.set(lane, *query);
+        self.queries.set(lane, LobeQuery { u, out: DVec3::ZERO });
     }
 
-    /// Scatters the hits, puts what comes of them where their numbers say, and forgets them.
-    pub fn scatter(&mut self, scattered: &mut [(Bounce, Response)]) {
+    /// Scatters the hits, evaluated towards `out` by number, calls `each` with what comes of them, and forgets them.
+    pub fn scatter(&mut self, out: impl Fn(usize) -> DVec3, each: &mut dyn FnMut(usize, &Bounce, &Response)) {
         let lanes = self.numbers.len();
+        for (lane, &number) in self.numbers.iter().enumerate() {
+            self.queries.set(lane, LobeQuery { out: out(number), ..self.queries.get(lane) });
+        }
         self.scattered.grow(lanes);
         let (hits, queries) = (self.hits.blocks(lanes), self.queries.blocks(lanes));
         map(&Scatter::<L>(PhantomData), hits, queries, self.scattered.blocks_mut(lanes));
         for (lane, number) in self.numbers.drain(..).enumerate() {
-            scattered[number] = self.scattered.get(lane);
+            let (bounce, response) = self.scattered.get(lane);
+            each(number, &bounce, &response);
         }
     }
 }

@@ -13,31 +13,28 @@ use super::look_up::look_up;
 use super::meet::meet;
 use super::pass::passes as passes_through;
 use crate::geometry::{Found, Segment};
-use crate::light::{Incoming, LightSample, Receiver, Target};
+use crate::light::{Incoming, LightQuery, LightSample, Receiver, Target};
 use crate::shade::{Material, Response};
 use crate::spacetime::AtInfinity;
 
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
 const NEAR: f64 = 1e-3;
 
-/// Light that may come to where a path lands, from two numbers in [0, 1).
-#[inline]
-pub fn propose(
+/// Query for light that may come to where a path lands, from two numbers in [0, 1); `None` if no light ray is sent out.
+#[inline(always)]
+pub fn query(
     job: &Job,
     illumination: &Illumination,
     path: &Path,
     material: &Material,
     receiver: &Receiver,
     [u, v]: [f64; 2],
-) -> Option<LightSample> {
+) -> Option<LightQuery> {
     if path.depth >= job.settings.max_depth || !material.spreads_light() {
         return None;
     }
     let chance = illumination.chance(path.throughput);
-    if u >= chance {
-        return None;
-    }
-    illumination.sample(receiver, [u / chance, v])
+    (u < chance).then(|| LightQuery { receiver: *receiver, numbers: [u / chance, v] })
 }
 
 /// Contribution of that light, from how the surface responds to it; zero if no ray is worth it.

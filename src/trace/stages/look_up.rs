@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::super::transport::Landing;
 use super::meet::Meeting;
+use crate::geometry::PrimitiveId;
 use crate::scene::Baked;
 use crate::shade::{Lobe, Material};
 
@@ -15,19 +16,22 @@ pub fn look_up(scene: &Baked, landing: &Landing, is_seen: bool, meeting: &mut Me
     if material.maps.is_empty() {
         return None;
     }
-    textured(scene, material, landing, is_seen, meeting)
+    // A copy, and a normal to be put in, so that both stay in registers where there are no textures.
+    let (landing, surface_normal) = (*landing, meeting.surface.shading_normal);
+    let (varied, normal) = textured(scene, material, (&landing, meeting.primitive, surface_normal), is_seen)?;
+    meeting.surface.shading_normal = normal.unwrap_or(surface_normal);
+    Some(varied)
 }
 
-/// The material at a point of a mesh; what has no vertices has no textures.
+/// The material at a point of a mesh, and the shading normal if a texture tells; what has no vertices has no textures.
 #[inline(never)]
 fn textured(
     scene: &Baked,
     material: &Material,
-    landing: &Landing,
+    (landing, primitive, shading_normal): (&Landing, PrimitiveId, DVec3),
     is_seen: bool,
-    meeting: &mut Meeting,
-) -> Option<Material> {
-    let point = scene.geometry.mesh_point(meeting.primitive, landing.position)?;
+) -> Option<(Material, Option<DVec3>)> {
+    let point = scene.geometry.mesh_point(primitive, landing.position)?;
     let width = if is_seen { filter_width(scene, landing) } else { 0.0 };
     let textures = &scene.textures;
     let at_rest = |normal: DVec3| {
@@ -38,12 +42,9 @@ fn textured(
     if let Lobe::Lacquered(lobe) = &mut found.lobe {
         // Without normals of its own the coat lies flat over bumps of what is beneath.
         let normal = material.clearcoat_normal_at(&point, width, textures);
-        lobe.clearcoat_normal = normal.map_or(meeting.surface.shading_normal, at_rest);
+        lobe.clearcoat_normal = normal.map_or(shading_normal, at_rest);
     }
-    if let Some(normal) = material.normal_at(&point, width, textures) {
-        meeting.surface.shading_normal = at_rest(normal);
-    }
-    Some(found)
+    Some((found, material.normal_at(&point, width, textures).map(at_rest)))
 }
 
 /// Width at which what the camera sees is filtered: of half a pixel's beam, since the samples of a pixel filter as well.

@@ -26,7 +26,11 @@ pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
     let primitive = landing.primitive;
     let surface = surface_at(scene, primitive, landing);
     if is_glass(scene, &surface) {
-        return meet_upon(scene, landing, media, surface);
+        // Copied and taken apart, so that landings and surfaces stay in registers where there is no glass.
+        let (landing, glass) = (*landing, surface);
+        let Meeting { primitive, surface, eta, beyond } = meet_upon(scene, &landing, media, glass);
+        let SurfacePoint { normal, shading_normal, surface } = surface;
+        return Meeting { primitive, surface: SurfacePoint { normal, shading_normal, surface }, eta, beyond };
     }
     Meeting { primitive, surface, eta: 1.0, beyond: media }
 }

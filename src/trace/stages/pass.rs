@@ -22,7 +22,12 @@ pub fn opacity(scene: &Baked, landing: &Landing) -> f32 {
 /// True if a ray of a path passes through the surface that it lands on.
 #[inline(always)]
 pub fn passes(job: &Job, path: &mut Path, landing: &Landing) -> bool {
-    job.has_passages && passes_here(job, path, landing)
+    if !job.has_passages {
+        return false;
+    }
+    // A copy, so that landings stay in registers where nothing is passed through.
+    let landing = *landing;
+    passes_here(job, path, &landing)
 }
 
 #[inline(never)]

@@ -10,13 +10,13 @@ use super::super::vertex::Vertex;
 use super::deposit::{LightSource, deposit};
 use super::draw::{Draws, Numbers};
 use super::emit::emit;
-use super::light::{self, propose};
+use super::light;
 use super::look_up::look_up;
 use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
-use crate::light::{LightSample, Receiver, Target};
-use crate::shade::{Bounce, LobeQuery, Material, Response, SortedHits};
+use crate::light::{LightQuery, LightSample, Receiver, Sampling, Target};
+use crate::shade::{Bounce, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -30,13 +30,17 @@ pub fn shade(
     samples: &mut Samples,
 ) -> Option<DVec3> {
     let mut varied = None;
-    let (arrival, material) = arrive(job, path, vertex, landing, numbers, (samples, &mut varied))?;
+    let (arrival, material) = arrive(job, path, vertex, landing, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
-    let response = match &arrival.light {
+    let query = light_query(job, path, material, landing, &arrival, numbers);
+    let light = job.illumination.as_ref().zip(query);
+    let light = light.and_then(|(illumination, query)| illumination.sample(&query.receiver, query.numbers));
+    let response = match &light {
         Some(light) => lobe.evaluate(&incidence, light.direction),
         None => Response::default(),
     };
-    leave(job, path, vertex, (landing, &arrival), &lobe.sample(&incidence, numbers.ray), &response, numbers)
+    let scattered = (&lobe.sample(&incidence, numbers.ray), &response);
+    leave(job, path, vertex, (landing, &arrival, light.as_ref()), scattered, numbers)
 }
 
 /// Landings that are shaded side by side at most: all that is known of them stays in the first-level cache.
@@ -45,8 +49,11 @@ const AT_ONCE: usize = 64;
 /// Shading of many landings.
 #[derive(Default)]
 pub struct Shading {
-    /// Those that are scattered at, with their places among all.
-    arrivals: Vec<(usize, LitMeeting)>,
+    /// Those that are scattered at, with their places among all, and those of their queries for light.
+    arrivals: Vec<(usize, ScatterPoint, Option<usize>)>,
+    queries: Vec<LightQuery>,
+    sampling: Sampling,
+    lights: Vec<Option<LightSample>>,
     hits: SortedHits,
 }
 
@@ -62,28 +69,36 @@ impl Shading {
         samples: &mut Samples,
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
-        let Self { arrivals, hits } = self;
+        let Self { arrivals, queries, sampling, lights, hits } = self;
         let (mut free, mut varied) = (Vertex::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
             arrivals.clear();
+            queries.clear();
             for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
-                match arrive(job, path, vertex, landing, &numbers, (samples, &mut varied)) {
+                match arrive(job, path, vertex, landing, (samples, &mut varied)) {
                     Some((arrival, material)) => {
-                        let incidence = arrival.meeting.incidence(landing.direction);
-                        let out = arrival.light.as_ref().map_or(DVec3::ZERO, |light| light.direction);
-                        hits.push(&material.lobe, &incidence, &LobeQuery { u: numbers.ray, out });
-                        arrivals.push((place, arrival));
+                        hits.push(&material.lobe, &arrival.meeting.incidence(landing.direction), numbers.ray);
+                        let query = light_query(job, path, material, landing, &arrival, &numbers);
+                        arrivals.push((place, arrival, query.is_some().then_some(queries.len())));
+                        queries.extend(query);
                     }
                     None => end(place, vertex, None),
                 }
             }
-            hits.scatter(|number, bounce, response| {
-                let (place, arrival) = &arrivals[number];
+            if let Some(illumination) = &job.illumination {
+                illumination.sample_all(queries, sampling, lights);
+            }
+            let light_of = |query: Option<usize>| lights[query?].as_ref();
+            let out =
+                |number: usize| light_of(arrivals[number].2).map_or(DVec3::ZERO, |light| light.direction);
+            hits.scatter(out, |number, bounce, response| {
+                let (place, arrival, query) = &arrivals[number];
                 let ((lane, landing), numbers) = (&landed[*place], draws.vertex(*place));
                 let (path, vertex) = (&mut paths[*lane], vertices.get_mut(*lane).unwrap_or(&mut free));
-                let direction = leave(job, path, vertex, (landing, arrival), bounce, response, &numbers);
+                let at = (landing, arrival, light_of(*query));
+                let direction = leave(job, path, vertex, at, (bounce, response), &numbers);
                 end(*place, vertex, direction);
             });
         }
@@ -91,28 +106,25 @@ impl Shading {
 }
 
 /// Landing that is scattered at.
-struct LitMeeting {
+struct ScatterPoint {
     /// Surface that is met.
     meeting: Meeting,
     /// True if its material is a mirror or glass.
     is_specular: bool,
     /// True if light from beyond the surface gets through it.
     both_sides: bool,
-    /// Light that may come to it.
-    light: Option<LightSample>,
 }
 
-/// Looks up and records the surface that a path landed on with its material, which is `varied` where textures vary it,
-/// gathers what it emits, and chooses light that may come to it; `None` if the path ends here.
+/// Looks up and records the surface that a path landed on with its material, which is `varied` where textures vary it, and
+/// gathers what it emits; `None` if the path ends here.
 #[inline(always)]
 fn arrive<'a>(
     job: &Job<'a>,
     path: &mut Path,
     vertex: &Vertex,
     landing: &Landing,
-    numbers: &Numbers,
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
-) -> Option<(LitMeeting, &'a Material)> {
+) -> Option<(ScatterPoint, &'a Material)> {
     let mut meeting = meet(job.scene, landing, path.media);
     if job.has_maps {
         *varied = look_up(job.scene, landing, path.depth == 1, &mut meeting);
@@ -126,13 +138,24 @@ fn arrive<'a>(
         Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
         _ => {}
     }
-    let both_sides = material.lobe.transmits();
-    let light = job.illumination.as_ref().and_then(|illumination| {
-        let normal = meeting.incidence(landing.direction).normal;
-        let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
-        propose(job, illumination, path, material, &receiver, numbers.light)
-    });
-    Some((LitMeeting { meeting, is_specular, both_sides, light }, material))
+    Some((ScatterPoint { meeting, is_specular, both_sides: material.lobe.transmits() }, material))
+}
+
+/// Query for light that may come to where a path arrived.
+#[inline(always)]
+fn light_query(
+    job: &Job,
+    path: &Path,
+    material: &Material,
+    landing: &Landing,
+    arrival: &ScatterPoint,
+    numbers: &Numbers,
+) -> Option<LightQuery> {
+    let illumination = job.illumination.as_ref()?;
+    let &ScatterPoint { ref meeting, both_sides, .. } = arrival;
+    let normal = meeting.incidence(landing.direction).normal;
+    let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
+    light::query(job, illumination, path, material, &receiver, numbers.light)
 }
 
 /// Takes a path on from where it scatters, as its lobe samples and responds: the unit direction of its next ray; `None`
@@ -142,9 +165,12 @@ fn leave(
     job: &Job,
     path: &mut Path,
     vertex: &mut Vertex,
-    (landing, &LitMeeting { ref meeting, is_specular, both_sides, ref light }): (&Landing, &LitMeeting),
-    bounce: &Bounce,
-    response: &Response,
+    (landing, &ScatterPoint { ref meeting, is_specular, both_sides }, light): (
+        &Landing,
+        &ScatterPoint,
+        Option<&LightSample>,
+    ),
+    (bounce, response): (&Bounce, &Response),
     numbers: &Numbers,
 ) -> Option<DVec3> {
     let Some(illumination) = &job.illumination else {
@@ -155,7 +181,6 @@ fn leave(
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     }
     let (depth, media, chance) = (path.depth + 1, path.media, illumination.chance(path.throughput));
-    let light = light.as_ref();
     let brings = light.map_or(Vec3::ZERO, |light| light::brings(job, illumination, path, light, response));
     let light = light.filter(|_| brings != Vec3::ZERO);
     let continues = take(job, path, meeting, bounce, numbers.ray[3]);
@@ -178,13 +203,13 @@ fn leave(
     light.map(|light| light.direction).or(continues.then_some(bounce.direction))
 }
 
-/// Ends a path's light ray, at its target or not: the unit direction in which the path goes on, or `None` if it ends.
+/// Ends a path's light ray, at its target or not: true if the path goes on from its vertex.
 #[inline]
-pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> Option<DVec3> {
+pub fn gather(path: &mut Path, vertex: &mut Vertex, is_reached: bool) -> bool {
     if is_reached && let Some(source) = LightSource::reached(vertex) {
         deposit(path, source, || vertex.brings);
     }
     vertex.light_ray_in_flight = false;
     vertex.after_specular = false;
-    vertex.continues.then_some(vertex.direction)
+    vertex.continues
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::support::Random;
 use crate::support::chi_square::Directions;
 use glam::{DVec3, Vec3};
-use warpfront::shade::{Bsdf, Incidence, Lacquered, Lobe, LobeQuery, Principled, SortedHits};
+use warpfront::shade::{Bsdf, Incidence, Lacquered, Lobe, Principled, SortedHits};
 
 const ROUGHNESSES: [f32; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
 /// Cosines to the normal, from grazing to normal incidence.
@@ -248,28 +248,31 @@ fn many_hits_side_by_side_are_scattered_as_one_by_one() {
         Lobe::Lacquered(Lacquered { principled, clearcoat_normal: random.direction() })
     });
     let lobes: Vec<Lobe> = lobes.into_iter().chain(lacquer).collect();
-    let hits: Vec<(Incidence, LobeQuery)> = (0..lobes.len())
+    let hits: Vec<(Incidence, [f32; 4], DVec3)> = (0..lobes.len())
         .map(|index| {
             let normal = random.direction();
             let shading_normal = (normal + 0.5 * random.in_cube()).normalize();
             let incidence = Incidence::new(random.direction(), normal, shading_normal, 1.3);
-            (incidence, LobeQuery { u: numbers(index as u32), out: random.direction() })
+            (incidence, numbers(index as u32), random.direction())
         })
         .collect();
     let mut sorted = SortedHits::default();
-    for (lobe, (incidence, query)) in lobes.iter().zip(&hits) {
-        sorted.push(lobe, incidence, query);
+    for (lobe, (incidence, u, _)) in lobes.iter().zip(&hits) {
+        sorted.push(lobe, incidence, *u);
     }
     let mut count = 0;
-    sorted.scatter(|number, bounce, response| {
-        let (incidence, query) = &hits[number];
-        let alone = lobes[number].sample(incidence, query.u);
-        let towards = lobes[number].evaluate(incidence, query.out);
-        assert_eq!((alone.direction, alone.density), (bounce.direction, bounce.density), "{number}");
-        assert_eq!((alone.weight, alone.crosses), (bounce.weight, bounce.crosses), "{number}");
-        assert_eq!((towards.bsdf, towards.density), (response.bsdf, response.density), "{number}");
-        count += 1;
-    });
+    sorted.scatter(
+        |number| hits[number].2,
+        |number, bounce, response| {
+            let (incidence, u, out) = &hits[number];
+            let alone = lobes[number].sample(incidence, *u);
+            let towards = lobes[number].evaluate(incidence, *out);
+            assert_eq!((alone.direction, alone.density), (bounce.direction, bounce.density), "{number}");
+            assert_eq!((alone.weight, alone.crosses), (bounce.weight, bounce.crosses), "{number}");
+            assert_eq!((towards.bsdf, towards.density), (response.bsdf, response.density), "{number}");
+            count += 1;
+        },
+    );
     assert_eq!(count, lobes.len());
 }
 
