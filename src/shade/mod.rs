@@ -19,6 +19,6 @@ pub use material::{Material, attenuation, relative_index};
 pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
 pub use texture::{
-    AnisotropyMap, FilmMap, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel, TextureId,
-    UvTransform, VertexColors, Wrap,
+    AnisotropyMap, FilmMap, Footprint, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel,
+    TextureId, UvTransform, VertexColors, Wrap,
 };

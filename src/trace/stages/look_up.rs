@@ -3,17 +3,22 @@
 use super::super::transport::Landing;
 use super::meet::Meeting;
 use crate::scene::Baked;
-use crate::shade::Material;
+use crate::shade::{Footprint, Material};
 
 /// The material that a ray meets where it lands, if textures vary it, which may also change the shading normal; `None`
-/// for that of the scene as it is. What the camera `is_seen` to look at is filtered by the width of its pixels.
+/// for that of the scene as it is. Textures are filtered over a footprint.
 #[inline(always)]
-pub fn look_up(scene: &Baked, landing: &Landing, is_seen: bool, meeting: &mut Meeting) -> Option<Material> {
+pub fn look_up(
+    scene: &Baked,
+    landing: &Landing,
+    footprint: Footprint,
+    meeting: &mut Meeting,
+) -> Option<Material> {
     let material = meeting.material(scene);
     if material.maps.is_empty() {
         return None;
     }
-    textured(scene, material, landing, is_seen, meeting)
+    textured(scene, material, landing, footprint, meeting)
 }
 
 /// The material at a point of a mesh; what has no vertices has no textures.
@@ -22,24 +27,12 @@ fn textured(
     scene: &Baked,
     material: &Material,
     landing: &Landing,
-    is_seen: bool,
+    footprint: Footprint,
     meeting: &mut Meeting,
 ) -> Option<Material> {
     let point = scene.geometry.mesh_point(meeting.primitive, landing.position)?;
-    let width = if is_seen { filter_width(scene, landing) } else { 0.0 };
-    if let Some(normal) = material.normal_at(&point, width, &scene.textures) {
+    if let Some(normal) = material.normal_at(&point, footprint, &scene.textures) {
         [_, meeting.surface.shading_normal] = landing.stretch.normals([normal; 2]);
     }
-    Some(material.at(&point, width, &scene.textures))
-}
-
-/// Width at which what the camera sees is filtered: of half a pixel's beam, since the samples of a pixel filter as well.
-/// It goes by the distance alone: where a lens makes a picture smaller than that, the samples see more of it. 0 on the
-/// other side of a wormhole.
-fn filter_width(scene: &Baked, landing: &Landing) -> f64 {
-    let camera = &scene.camera;
-    if landing.primitive.side() != camera.side {
-        return 0.0;
-    }
-    0.5 * scene.pixel().at(landing.position.distance(camera.position))
+    Some(material.at(&point, footprint, &scene.textures))
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::super::job::Job;
 use super::super::path::{Gathers, Path};
+use super::super::ray_cone::RayCone;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
@@ -16,7 +17,7 @@ use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
 use crate::light::{LightSample, Receiver, Target};
-use crate::shade::{Bounce, LobeQuery, Material, Response, SortedHits};
+use crate::shade::{Bounce, Footprint, LobeQuery, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -24,19 +25,20 @@ use crate::shade::{Bounce, LobeQuery, Material, Response, SortedHits};
 pub fn shade(
     job: &Job,
     path: &mut Path,
-    vertex: &mut Vertex,
+    (vertex, cone): (&mut Vertex, &mut RayCone),
     landing: &Landing,
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
     let mut varied = None;
-    let (arrival, material) = arrive(job, path, vertex, landing, numbers, (samples, &mut varied))?;
+    let (arrival, material) = arrive(job, path, (vertex, cone), landing, numbers, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let response = match &arrival.light {
         Some(light) => lobe.evaluate(&incidence, light.direction),
         None => Response::default(),
     };
-    leave(job, path, vertex, (landing, &arrival), &lobe.sample(&incidence, numbers.ray), &response, numbers)
+    let bounce = lobe.sample(&incidence, numbers.ray);
+    leave(job, path, (vertex, cone), (landing, &arrival), &bounce, &response, numbers)
 }
 
 /// Landings that are shaded side by side at most: all that is known of them stays in the first-level cache.
@@ -52,24 +54,26 @@ pub struct Shading {
 
 impl Shading {
     /// Shades landings of `paths` by lane as [`shade`] does, lobes side by side: calls `end` with the place of each among
-    /// them, its path's vertex, and the direction of the next ray. Without light sampling there are no `vertices`.
+    /// them, its path's vertex, and the direction of the next ray. Without light sampling there are no `vertices`, without
+    /// filtered textures no `cones`.
     pub fn shade_all(
         &mut self,
         job: &Job,
         landed: &[(usize, Landing)],
-        (paths, vertices): (&mut [Path], &mut [Vertex]),
+        (paths, vertices, cones): (&mut [Path], &mut [Vertex], &mut [RayCone]),
         draws: &Draws,
         samples: &mut Samples,
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
         let Self { arrivals, hits } = self;
-        let (mut free, mut varied) = (Vertex::default(), None);
+        let (mut free, mut point, mut varied) = (Vertex::default(), RayCone::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
             arrivals.clear();
             for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
-                match arrive(job, path, vertex, landing, &numbers, (samples, &mut varied)) {
+                let cone = cones.get(*lane).unwrap_or(&point);
+                match arrive(job, path, (vertex, cone), landing, &numbers, (samples, &mut varied)) {
                     Some((arrival, material)) => {
                         let incidence = arrival.meeting.incidence(landing.direction);
                         let out = arrival.light.as_ref().map_or(DVec3::ZERO, |light| light.direction);
@@ -83,7 +87,9 @@ impl Shading {
                 let (place, arrival) = &arrivals[number];
                 let ((lane, landing), numbers) = (&landed[*place], draws.vertex(*place));
                 let (path, vertex) = (&mut paths[*lane], vertices.get_mut(*lane).unwrap_or(&mut free));
-                let direction = leave(job, path, vertex, (landing, arrival), bounce, response, &numbers);
+                let cone = cones.get_mut(*lane).unwrap_or(&mut point);
+                let direction =
+                    leave(job, path, (vertex, cone), (landing, arrival), bounce, response, &numbers);
                 end(*place, vertex, direction);
             });
         }
@@ -94,6 +100,8 @@ impl Shading {
 struct LitMeeting {
     /// Surface that is met.
     meeting: Meeting,
+    /// Width of the ray's cone there; 0 if no texture can be filtered.
+    width: f64,
     /// True if its material is a mirror or glass.
     is_specular: bool,
     /// True if light from beyond the surface gets through it.
@@ -108,14 +116,17 @@ struct LitMeeting {
 fn arrive<'a>(
     job: &Job<'a>,
     path: &mut Path,
-    vertex: &Vertex,
+    (vertex, cone): (&Vertex, &RayCone),
     landing: &Landing,
     numbers: &Numbers,
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
 ) -> Option<(LitMeeting, &'a Material)> {
     let mut meeting = meet(job.scene, landing, path.media);
+    let width = job.cones.as_ref().map_or(0.0, |cones| cones.width(cone, landing));
     if job.has_maps {
-        *varied = look_up(job.scene, landing, path.depth == 1, &mut meeting);
+        let footprint = || cone.footprint(width, landing.direction.dot(meeting.surface.normal));
+        let footprint = job.cones.as_ref().map_or(Footprint::default(), |_| footprint());
+        *varied = look_up(job.scene, landing, footprint, &mut meeting);
     }
     let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
     record_hit(path, landing, &meeting, material, samples);
@@ -132,7 +143,7 @@ fn arrive<'a>(
         let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
         propose(job, illumination, path, material, &receiver, numbers.light)
     });
-    Some((LitMeeting { meeting, is_specular, both_sides, light }, material))
+    Some((LitMeeting { meeting, width, is_specular, both_sides, light }, material))
 }
 
 /// Takes a path on from where it scatters, as its lobe samples and responds: the unit direction of its next ray; `None`
@@ -141,12 +152,17 @@ fn arrive<'a>(
 fn leave(
     job: &Job,
     path: &mut Path,
-    vertex: &mut Vertex,
-    (landing, &LitMeeting { ref meeting, is_specular, both_sides, ref light }): (&Landing, &LitMeeting),
+    (vertex, cone): (&mut Vertex, &mut RayCone),
+    (landing, arrival): (&Landing, &LitMeeting),
     bounce: &Bounce,
     response: &Response,
     numbers: &Numbers,
 ) -> Option<DVec3> {
+    let &LitMeeting { ref meeting, width, is_specular, both_sides, ref light } = arrival;
+    if let Some(cones) = &job.cones {
+        let eta = meeting.incidence(landing.direction).eta;
+        *cone = cones.after((cone, path.sample), (landing, width), (bounce, eta), job.scene);
+    }
     let Some(illumination) = &job.illumination else {
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     };
