@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::geometry::{Geometry, PrimitiveId, Shape};
-use crate::shade::{Material, Texture};
+use crate::shade::{Footprint, Material, Texture};
 
 /// Parts of an edge of a triangle: their squares are the parts of the triangle.
 const PARTS: usize = 8;
@@ -17,10 +17,10 @@ pub(super) fn mean_radiance(
     shape: &Shape,
 ) -> Vec3 {
     let Shape::Triangle([a, b, c]) = *shape else { return material.emission };
-    let width = 2.0 * shape.area().sqrt() / PARTS as f64;
+    let footprint = Footprint::of_width(2.0 * shape.area().sqrt() / PARTS as f64);
     let emitted = |at: DVec3| {
         let point = geometry.mesh_point(primitive, at);
-        point.map_or(material.emission, |point| material.at(&point, width, textures).emission)
+        point.map_or(material.emission, |point| material.at(&point, footprint, textures).emission)
     };
     let thirds = |row: usize, column: usize, third: usize| {
         let place = |index: usize| (3 * index + third) as f64 / (3 * PARTS) as f64;

@@ -27,6 +27,7 @@ mod sky_tiles;
 mod spherical_triangle;
 mod tree;
 
+pub use aim::beams::Beams;
 pub use aim::field::{FieldAim, FieldWay};
 pub use aim::lensed::Lensed;
 pub use aim::straight::StraightAim;

@@ -23,7 +23,7 @@ pub fn exp2(y: i32) -> f32 {
 }
 
 /// From one power of two to the next, in logarithms of f64.
-const WIDE_OCTAVE: i32 = 1 << 20;
+pub const WIDE_OCTAVE: i32 = 1 << 20;
 /// The upper bits of 1.
 const WIDE_ONE: i32 = 1023 * WIDE_OCTAVE;
 

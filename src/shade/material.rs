@@ -4,7 +4,9 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::bsdf::{Diffuse, Lacquered, Lobe, Principled, Variation};
 use super::media::InterfaceCrossing;
-use super::texture::{AnisotropyMap, FilmMap, Maps, NormalMap, Opacity, Texture, TextureId, VertexColors};
+use super::texture::{
+    AnisotropyMap, FilmMap, Footprint, Maps, NormalMap, Opacity, Texture, TextureId, VertexColors,
+};
 use crate::geometry::MeshPoint;
 
 /// A material: a lobe and what the surface emits.
@@ -39,14 +41,16 @@ impl Default for Material {
 }
 
 impl Material {
-    /// The material at a point of a mesh, seen by a beam of a width, by textures numbered as its maps say.
-    pub fn at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Self {
+    /// The material at a point of a mesh, seen in a footprint, by textures numbered as its maps say.
+    pub fn at(&self, point: &MeshPoint, footprint: Footprint, textures: &[Texture]) -> Self {
         let maps = &self.maps;
-        let look = |map: Option<TextureId>| match map {
+        let look_in = |width: f64, map: Option<TextureId>| match map {
             Some(TextureId(id)) => textures[id as usize].at(point, width),
             None => Vec4::ONE,
         };
-        let (mut base_color, mut emission) = (look(maps.base_color), look(maps.emission));
+        let look = |map| look_in(footprint.scattering, map);
+        let (mut base_color, mut emission) =
+            (look(maps.base_color), look_in(footprint.emission, maps.emission));
         match maps.vertex_colors {
             VertexColors::Nothing => {}
             VertexColors::BaseColor => base_color *= point.color(),
@@ -77,13 +81,18 @@ impl Material {
     }
 
     /// Unit shading normal in the world at a point of a mesh, if a texture tells.
-    pub fn normal_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
-        normal_by(self.maps.normal?, point, width, textures)
+    pub fn normal_at(&self, point: &MeshPoint, footprint: Footprint, textures: &[Texture]) -> Option<DVec3> {
+        normal_by(self.maps.normal?, point, footprint.scattering, textures)
     }
 
     /// That of the coat.
-    pub fn clearcoat_normal_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Option<DVec3> {
-        normal_by(self.maps.clearcoat_normal?, point, width, textures)
+    pub fn clearcoat_normal_at(
+        &self,
+        point: &MeshPoint,
+        footprint: Footprint,
+        textures: &[Texture],
+    ) -> Option<DVec3> {
+        normal_by(self.maps.clearcoat_normal?, point, footprint.scattering, textures)
     }
 
     /// The material with a coat that has a normal of its own, where a map bends normals of one of both.

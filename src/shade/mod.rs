@@ -21,6 +21,6 @@ pub use media::{InterfaceCrossing, Media};
 pub use sampler::{Key, SamplePoint, Sampler};
 pub use sun_sky::{ClearSky, SunDisk, SunSky};
 pub use texture::{
-    AnisotropyMap, FilmMap, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel, TextureId,
-    UvTransform, VertexColors, Wrap,
+    AnisotropyMap, FilmMap, Footprint, Maps, MipImage, NormalMap, Opacity, Raster, Texture, TextureChannel,
+    TextureId, UvTransform, VertexColors, Wrap,
 };

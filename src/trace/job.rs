@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::halt::Halt;
 use super::illumination::Illumination;
+use super::ray_cone::RayCones;
 use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::{Media, Sampler};
@@ -24,6 +25,8 @@ pub struct Job<'a> {
     pub has_passages: bool,
     /// True if there is glass that absorbs.
     pub absorbs: bool,
+    /// What textures are filtered by, if any can be.
+    pub cones: Option<RayCones>,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
     /// Interruption and deadline, at which to give up.
@@ -31,7 +34,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// A render of `scene` under `settings`, before anything is known of its lights, that gives up when `halt` is due.
+    /// A render of `scene` under `settings`, before anything is known of its lights and ray cones, that gives up when `halt` is due.
     pub fn new(scene: &'a Baked, settings: &'a Settings, halt: Halt<'a>) -> Self {
         let sampler = match settings.sampler {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),
@@ -42,6 +45,17 @@ impl<'a> Job<'a> {
         let has_maps = scene.materials.iter().any(|material| !material.maps.is_empty());
         let has_passages = scene.materials.iter().any(|material| material.opacity.is_some());
         let absorbs = scene.materials.iter().any(|material| material.attenuation != Vec3::ZERO);
-        Self { scene, settings, sampler, media, has_maps, has_passages, absorbs, illumination: None, halt }
+        Self {
+            scene,
+            settings,
+            sampler,
+            media,
+            has_maps,
+            has_passages,
+            absorbs,
+            cones: None,
+            illumination: None,
+            halt,
+        }
     }
 }

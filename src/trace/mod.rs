@@ -27,6 +27,7 @@ mod per_pixel;
 mod polyline;
 mod probe;
 mod ray_batch;
+mod ray_cone;
 mod ray_end;
 mod render;
 mod run;

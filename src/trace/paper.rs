@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::transport::{Advancing, Landing, Outcome, Start, Transport};
 use crate::geodesic::{Control, Launch, OrbitEnd, Phase, Rkn6, follow, rk4_paper};
 use crate::geometry::{Found, Geometry, Line, Need, PrimitiveId, Query};
-use crate::light::{Lensed, LightSampler};
+use crate::light::{Beams, Lensed, LightSampler};
 use crate::math::columns::{Row, columns};
 use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::spacetime::{AtInfinity, Chart, ConformallyFlat, Fate};
@@ -143,6 +143,10 @@ impl<M: ConformallyFlat> Transport for PaperMarch<M> {
 
     fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
         Some(Box::new(Lensed::new(self.medium, self.center, max_winding)?))
+    }
+
+    fn beams(&self) -> Option<Box<dyn Beams>> {
+        Some(Box::new(Lensed::new(self.medium, self.center, 0)?))
     }
 
     fn launch(&self, &Start { position, direction, origin_prim, carried: () }: &Start) -> PaperFlight {

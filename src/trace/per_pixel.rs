@@ -2,6 +2,7 @@
 
 use super::job::Job;
 use super::path::Gathers;
+use super::ray_cone::RayCone;
 use super::ray_end::RayEnd;
 use super::samples::Samples;
 use super::stages::absorb::absorb;
@@ -51,6 +52,10 @@ fn trace_path<T: Transport>(
     let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
     let mut flight = transport.launch(&Start { position, direction, origin_prim, carried });
     let mut vertex = Vertex::default();
+    let mut cone = match &job.cones {
+        Some(cones) => cones.of_camera(job.scene, path.sample, (position, direction)),
+        None => RayCone::default(),
+    };
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
     loop {
@@ -117,7 +122,7 @@ fn trace_path<T: Transport>(
             Outcome::Landed(landing) => {
                 counters.fates.hit += 1;
                 let numbers = Numbers::draw(job, &path);
-                match shade(job, &mut path, &mut vertex, &landing, &numbers, samples) {
+                match shade(job, &mut path, (&mut vertex, &mut cone), &landing, &numbers, samples) {
                     Some(direction) => {
                         carried = arrived;
                         let Landing { position, primitive: origin_prim, .. } = landing;

@@ -14,6 +14,7 @@ use super::illumination::{Illumination, LightSummary};
 use super::job::Job;
 use super::learn::lamp_edges::LampEdges;
 use super::learn::{Lesson, photons, visible_caps};
+use super::ray_cone::RayCones;
 use super::run::{Run, Threads};
 use super::samples::Samples;
 use super::split::short_paths;
@@ -100,6 +101,7 @@ impl Prober<'_> {
         let settings = Settings { spp, ..self.scene.settings.clone() };
         let halt = Halt::after(LONGEST.saturating_add(self.limit));
         let mut job = Job::new(self.scene, &settings, halt);
+        job.cones = RayCones::of(self.scene, transport);
         let learning = learn(&mut job, transport, self.scene.settings.spp);
         let lights = job.illumination.as_ref().map(|illumination| illumination.summary(self.scene));
         let wanted = Wanted::new(&self.run.aovs, self.run.noise.is_some());

@@ -13,6 +13,7 @@ use super::halt::Halt;
 use super::illumination::Illumination;
 use super::job::Job;
 use super::passes::pass_of;
+use super::ray_cone::RayCones;
 use super::run::{Run, Threads};
 use super::split::trace_split;
 use super::state::{State, TileState};
@@ -209,7 +210,8 @@ impl<'a> TransportVisitor for Opening<'a> {
     fn run<T: Transport + 'static>(self, transport: T) -> Box<dyn Tracer + 'a> {
         let settings = &self.scene.settings;
         let illumination = Illumination::of(self.scene, &transport);
-        let job = Job { illumination, ..Job::new(self.scene, settings, self.halt) };
+        let cones = RayCones::of(self.scene, &transport);
+        let job = Job { illumination, cones, ..Job::new(self.scene, settings, self.halt) };
         let workers = Workers::new(settings.schedule, self.run.batch);
         Box::new(Tracing { job, transport, workers, lesson: None })
     }

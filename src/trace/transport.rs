@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use glam::DVec3;
 
 use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
-use crate::light::LightSampler;
+use crate::light::{Beams, LightSampler};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
 use crate::spacetime::{AtInfinity, Side, Stretch};
@@ -117,6 +117,11 @@ pub trait Transport: Send + Sync + Sized {
     /// Light sampling along these rays, with winding numbers up to `max_winding`; `None` if there is none in this
     /// spacetime.
     fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>>;
+
+    /// Widths of narrow beams; `None` where they are taken to be those of straight ones.
+    fn beams(&self) -> Option<Box<dyn Beams>> {
+        None
+    }
 
     /// A ray that starts.
     fn launch(&self, start: &Start<Self::Carried>) -> Self::Flight;

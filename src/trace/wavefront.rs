@@ -9,6 +9,7 @@
 
 use super::job::Job;
 use super::path::{Gathers, Path};
+use super::ray_cone::RayCone;
 use super::ray_end::RayEnd;
 use super::samples::Samples;
 use super::stages::absorb::absorb;
@@ -36,6 +37,9 @@ pub struct Wavefront<T: Transport> {
     paths: Vec<Path>,
     /// Those of the lanes in use; empty without light sampling.
     vertices: Vec<Vertex>,
+    /// Cones of camera rays and of those that scattering sent; those of the lanes in use, empty if no texture can be
+    /// filtered.
+    cones: Vec<RayCone>,
     /// Payloads of rays where their paths were scattered last.
     carried: Vec<T::Carried>,
     /// Payloads of rays where they ended in this round.
@@ -78,6 +82,7 @@ impl<T: Transport> Wavefront<T> {
             moves: Columns::default(),
             paths: Vec::new(),
             vertices: Vec::new(),
+            cones: Vec::new(),
             carried: Vec::new(),
             arrived: Vec::new(),
             exactly: Vec::new(),
@@ -143,6 +148,7 @@ impl<T: Transport> Wavefront<T> {
         self.moves.resize(lanes);
         self.paths.clear();
         self.vertices.clear();
+        self.cones.clear();
         self.events.finished.clear();
         self.carried.resize(lanes, T::Carried::default());
         self.arrived.resize(lanes, T::Carried::default());
@@ -182,7 +188,7 @@ impl<T: Transport> Wavefront<T> {
     ) -> usize {
         let left = (work.paths() - *next) as usize;
         self.close_up(left);
-        let Self { paths, vertices, exactly, draws, events, .. } = self;
+        let Self { paths, vertices, cones, exactly, draws, events, .. } = self;
         let Events { finished: lanes, starts, beside, .. } = events;
         let free = paths.len()..exactly.len().min(paths.len() + left - lanes.len());
         for (&lane, index) in lanes.iter().zip(*next..) {
@@ -194,6 +200,9 @@ impl<T: Transport> Wavefront<T> {
             lanes.iter().for_each(|&lane| vertices[lane] = Vertex::default());
             vertices.resize(paths.len(), Vertex::default());
         }
+        if job.cones.is_some() {
+            cones.resize(paths.len(), RayCone::default());
+        }
         lanes.extend(free);
         draws.cameras(job, lanes.iter().map(|&lane| &paths[lane]));
         for (place, &lane) in lanes.iter().enumerate() {
@@ -204,6 +213,9 @@ impl<T: Transport> Wavefront<T> {
                 continue;
             };
             exactly[lane] = true;
+            if let Some(of_scene) = &job.cones {
+                cones[lane] = of_scene.of_camera(job.scene, path.sample, (position, direction));
+            }
             let carried = T::Carried::default();
             let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
             starts.push((lane, Start { position, direction, origin_prim, carried }));
@@ -222,7 +234,7 @@ impl<T: Transport> Wavefront<T> {
     /// Gives lanes of finished paths to the last paths, from the back so that no finished lane is moved, until only
     /// `kept` are left.
     fn close_up(&mut self, kept: usize) {
-        let Self { flights, paths, vertices, carried, exactly, events, .. } = self;
+        let Self { flights, paths, vertices, cones, carried, exactly, events, .. } = self;
         if events.finished.len() <= kept {
             return;
         }
@@ -234,6 +246,9 @@ impl<T: Transport> Wavefront<T> {
             (carried[lane], exactly[lane]) = (carried[last], exactly[last]);
             if !vertices.is_empty() {
                 vertices.swap_remove(lane);
+            }
+            if !cones.is_empty() {
+                cones.swap_remove(lane);
             }
         }
     }
@@ -402,21 +417,28 @@ impl<T: Transport> Wavefront<T> {
 
     /// Gathers emission where rays landed and launches light rays or continuations in the same lanes.
     fn shade(&mut self, job: &Job, samples: &mut Samples, counters: &mut Counters) {
-        let Self { paths, vertices, carried, arrived, exactly, draws, shading, events, .. } = self;
+        let Self { paths, vertices, cones, carried, arrived, exactly, draws, shading, events, .. } = self;
         let Events { landed, starts, finished, .. } = events;
         draws.vertices(job, landed.iter().map(|&(lane, _)| &paths[lane]));
-        shading.shade_all(job, landed, (paths, vertices), draws, samples, |place, vertex, direction| {
-            let (lane, landing) = landed[place];
-            let Some(direction) = direction else {
-                finished.push(lane);
-                return;
-            };
-            let Landing { position, primitive: origin_prim, .. } = landing;
-            exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(job, vertex);
-            carried[lane] = arrived[lane];
-            starts.push((lane, Start { position, direction, origin_prim, carried: carried[lane] }));
-            counters.count_ray(vertex.light_ray_in_flight);
-        });
+        shading.shade_all(
+            job,
+            landed,
+            (paths, vertices, cones),
+            draws,
+            samples,
+            |place, vertex, direction| {
+                let (lane, landing) = landed[place];
+                let Some(direction) = direction else {
+                    finished.push(lane);
+                    return;
+                };
+                let Landing { position, primitive: origin_prim, .. } = landing;
+                exactly[lane] = !vertex.light_ray_in_flight || light::lands_exactly(job, vertex);
+                carried[lane] = arrived[lane];
+                starts.push((lane, Start { position, direction, origin_prim, carried: carried[lane] }));
+                counters.count_ray(vertex.light_ray_in_flight);
+            },
+        );
         landed.clear();
     }
 

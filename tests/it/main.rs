@@ -36,6 +36,7 @@ mod light {
     mod emitter_furnaces;
     mod field_flux;
     mod field_lights;
+    mod footprints;
     mod furnace;
     mod irradiance;
     mod lamp_edges;

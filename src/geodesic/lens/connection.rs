@@ -117,7 +117,29 @@ impl Lens {
     /// travelling in the unit direction `arrival`.
     pub fn classify(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<(u32, f64)> {
         let (spin, across) = (x.radial.cross(y.radial), x.radial.cross(direction));
-        let b = across.length().max(RADIAL) / x.q;
+        let (track, sine) = self.track_of((x, direction), (y, arrival))?;
+        // g is between 0 and π, and the winding even, if the ray sets out on the short way.
+        let turns = track.swept / (2.0 * PI);
+        let winding = if spin.dot(across) < 0.0 {
+            2.0 * (turns + 0.25).round() - 1.0
+        } else {
+            2.0 * (turns - 0.25).round()
+        };
+        Some((winding.max(0.0) as u32, geometry_factor(x, y, &track, sine)))
+    }
+
+    /// Widths at `y`, in the chart and across the ray, of a narrow beam from `x` around a ray that leaves in the unit
+    /// `direction` and arrives travelling in the unit direction `arrival`, over its angle at `x`: in the plane of its orbit,
+    /// and out of that. Their product is one over [`Connection::geometry_factor`].
+    pub fn beam_widths(&self, x: &Site, direction: DVec3, y: &Site, arrival: DVec3) -> Option<[f64; 2]> {
+        let (track, sine) = self.track_of((x, direction), (y, arrival))?;
+        Some([track.rate / (x.q * y.w), sine / (track.b * x.q * y.w)])
+    }
+
+    /// The track of a ray that leaves `x` in one unit direction and arrives at `y` in another, and |sin φ| of the angle that
+    /// it sweeps.
+    fn track_of(&self, (x, direction): (&Site, DVec3), (y, arrival): (&Site, DVec3)) -> Option<(Track, f64)> {
+        let b = x.radial.cross(direction).length().max(RADIAL) / x.q;
         let track = if x.is_beyond(y) {
             self.through(x, y, (self.critical - b).max(0.0) / b)
         } else {
@@ -129,15 +151,9 @@ impl Lens {
             let gamma = libm::atan2(leaving, cos) - libm::asin((b * far.q).min(1.0));
             self.beside(near, far, gamma.max(RADIAL)).map(|track| oriented(track, y.q > x.q))
         }?;
-        // g is between 0 and π, and the winding even, if the ray sets out on the short way.
-        let turns = track.swept / (2.0 * PI);
-        let winding = if spin.dot(across) < 0.0 {
-            2.0 * (turns + 0.25).round() - 1.0
-        } else {
-            2.0 * (turns - 0.25).round()
-        };
-        let sine = if track.swept < AROUND { libm::sin(track.swept) } else { spin.length() };
-        Some((winding.max(0.0) as u32, geometry_factor(x, y, &track, sine)))
+        let sine =
+            if track.swept < AROUND { libm::sin(track.swept) } else { x.radial.cross(y.radial).length() };
+        Some((track, sine))
     }
 }
 

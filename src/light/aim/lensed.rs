@@ -5,6 +5,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::beams::Beams;
 use super::{Aim, Approach, Link};
 use crate::geodesic::{Lens, Site};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Mouths, Side};
@@ -172,5 +173,17 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         }
         let w = 1.0 / self.radius(y);
         self.medium.index_squared(w) * self.medium.lapse(w).powi(2)
+    }
+}
+
+impl<M: ConformallyFlat> Beams for Lensed<M> {
+    fn widths(
+        &self,
+        (from, direction): ((Side, DVec3), DVec3),
+        (to, arrival): ((Side, DVec3), DVec3),
+    ) -> Option<[f64; 2]> {
+        let (x, y) = (self.place(from.0, from.1), self.place(to.0, to.1));
+        let (direction, arrival) = (self.as_near(&x, direction), self.as_near(&y, arrival));
+        self.lens.beam_widths(&x.site, direction, &y.site, arrival)
     }
 }

@@ -6,6 +6,7 @@
 //! To add one, implement [`Aim`] in a file beside [`straight`] and [`lensed`], and name it in the transport of its
 //! family.
 
+pub mod beams;
 pub mod field;
 pub mod lensed;
 pub mod straight;

@@ -66,6 +66,15 @@ impl Projection {
         }
     }
 
+    /// Angle between the rays of neighbouring pixels over that in the middle of the picture, where rays are at an angle of
+    /// cosine `cos` to the view direction: what a pinhole sees of a plane across it is as wide everywhere.
+    pub fn relative_angle(&self, cos: f64) -> f64 {
+        match self {
+            Self::Perspective(_) => cos * cos,
+            Self::Orthographic(_) | Self::Equirectangular | Self::Fisheye(_) => 1.0,
+        }
+    }
+
     /// True if a ball, as straight rays show it, is in the picture at least in part.
     pub fn sees_ball(&self, center: DVec3, radius: f64, aspect: f64) -> bool {
         match self {

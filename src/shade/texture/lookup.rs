@@ -8,6 +8,11 @@ use glam::{DVec2, Vec4};
 
 use super::image::MipImage;
 use crate::geometry::MeshPoint;
+use crate::math::fast_log2::{WIDE_OCTAVE, wide_log2};
+
+/// Mip levels by which a footprint is looked up in finer texels than those of its area: filters between texels are wider
+/// than a texel. From 4 samples of a pixel on, pictures are then nearest to what many would be.
+const FINER: f32 = 0.5;
 
 /// Wrapping of a coordinate beyond 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,26 +63,34 @@ impl UvTransform {
 }
 
 impl Texture {
-    /// Linear colour and opacity at a point of a mesh, seen by a beam of a width (scene units): in the mip level whose
-    /// texels are as wide or less, down to half of it. Where a beam meets the surface aslant its width across counts,
-    /// and what it covers along the surface is left to its samples. A mesh without coordinates has the mean all over.
+    /// Linear colour and opacity at a point of a mesh, seen in a footprint of a width (scene units): between the two mip
+    /// levels whose texels are next to it in width. A mesh without coordinates has the mean all over.
     #[inline]
     pub fn at(&self, point: &MeshPoint, width: f64) -> Vec4 {
         let Some(uv) = point.uv(self.uv_set) else {
             return self.image.texel(self.image.levels() - 1, [0, 0]);
         };
-        let level = if width > 0.0 { self.level(width * width * point.uv_density(self.uv_set)) } else { 0 };
-        self.lookup(uv, level)
+        let level = if width > 0.0 { self.level(width * width * point.uv_density(self.uv_set)) } else { 0.0 };
+        self.between(uv, level)
     }
 
-    /// Mip level for a footprint, given by its area in texture coordinates.
-    fn level(&self, area: f64) -> usize {
+    /// Linear colour and opacity at texture coordinates, between mip levels.
+    fn between(&self, uv: DVec2, level: f32) -> Vec4 {
+        let (fine, share) = (level as usize, level.fract());
+        let last = self.image.levels() - 1;
+        if fine >= last || share == 0.0 {
+            return self.lookup(uv, fine.min(last));
+        }
+        self.lookup(uv, fine).lerp(self.lookup(uv, fine + 1), share)
+    }
+
+    /// Mip level for a footprint, given by its area in texture coordinates, a fraction in general: log₄ of the area in
+    /// texels, less [`FINER`].
+    fn level(&self, area: f64) -> f32 {
         let Self { image, transform: UvTransform([u, v, _]), .. } = self;
         let [width, height] = image.size(0).map(|size| size as f64);
-        // By the exponent: log₄ of the area in texels, rounded down.
-        let exponent = (area * u.perp_dot(*v).abs() * width * height).to_bits() >> (f64::MANTISSA_DIGITS - 1);
-        let level = exponent.saturating_sub(f64::MAX_EXP as u64 - 1) / 2;
-        (level as usize).min(image.levels() - 1)
+        let octaves = wide_log2(area * u.perp_dot(*v).abs() * width * height);
+        (0.5 * octaves as f32 / WIDE_OCTAVE as f32 - FINER).max(0.0)
     }
 
     /// Linear colour and opacity at texture coordinates, in a mip level.
@@ -173,6 +186,25 @@ mod tests {
         check(&row(Wrap::Repeat, false), &[(0.0, 0.3), (1.0, 0.3), (-0.0625, 0.45), (3.0625, 0.15)]);
         check(&row(Wrap::Mirror, false), &[(0.0, 0.0), (1.0, 0.6), (1.25, 0.5), (-0.25, 0.1)]);
         check(&row(Wrap::Clamp, false), &[(0.0, 0.0), (1.0, 0.6), (9.0, 0.6)]);
+    }
+
+    #[test]
+    fn footprints_are_looked_up_between_the_mip_levels_next_to_them() {
+        // 0.1 and 0.5 in the next level, 0.3 in the last.
+        let texture = row(Wrap::Clamp, true);
+        for (level, value) in [(0.0, 0.0), (0.25, 0.025), (1.0, 0.1), (1.5, 0.2), (2.0, 0.3), (512.0, 0.3)] {
+            let found = texture.between(DVec2::new(0.1, 0.5), level).x;
+            assert!((found - value).abs() < 2e-5, "{level}: {found}");
+        }
+        // By the width in texels, whose logarithm is good to a twentieth.
+        let transform = UvTransform::new(DVec2::new(2.0, 0.5), 0.3, DVec2::ONE);
+        for scaled in [texture.clone(), Texture { transform, ..texture }] {
+            for texels in [0.0, 1e-9, 1.0, 1.5, 2.0, 3.7, 8.0, 1e9, f64::INFINITY] {
+                let expected = (texels.log2() - 0.5).clamp(0.0, 500.0);
+                let level = f64::from(scaled.level(texels * texels / 4.0));
+                assert!((level - expected).abs() < 0.05 || level.min(expected) >= 500.0, "{texels}: {level}");
+            }
+        }
     }
 
     #[test]

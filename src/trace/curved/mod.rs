@@ -21,7 +21,7 @@ use super::sort_hits::sort_hits;
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use crate::geodesic::{Arc, OrbitEnd};
 use crate::geometry::{Found, Geometry, PrimitiveId, Query};
-use crate::light::LightSampler;
+use crate::light::{Beams, LightSampler};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
@@ -126,6 +126,10 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
 
     fn sampler(&self, max_winding: u32) -> Option<Box<dyn LightSampler>> {
         Some(Box::new(self.worlds.aim(self.medium, max_winding)?))
+    }
+
+    fn beams(&self) -> Option<Box<dyn Beams>> {
+        Some(Box::new(self.worlds.aim(self.medium, 0)?))
     }
 
     fn launch(&self, start: &Start) -> CurvedFlight<R> {

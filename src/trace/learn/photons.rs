@@ -14,7 +14,7 @@ use super::super::stages::pass::{behind, opacity};
 use super::super::transport::{Landing, Outcome, Start, Transport};
 use crate::light::{Guide, Lights, Photon, View};
 use crate::scene::Baked;
-use crate::shade::{self, Key, Media, Sampler};
+use crate::shade::{self, Footprint, Key, Media, Sampler};
 use crate::spacetime::Side;
 
 /// Most mirrors and glass surfaces on the way of a photon.
@@ -159,7 +159,7 @@ impl Shower<'_> {
             }
         }
         let mut meeting = meet(self.scene, landing, media);
-        let varied = look_up(self.scene, landing, false, &mut meeting);
+        let varied = look_up(self.scene, landing, Footprint::default(), &mut meeting);
         let material = varied.as_ref().unwrap_or(meeting.material(self.scene));
         let incidence = meeting.incidence(landing.direction);
         path.add(meeting.surface.surface.entity);

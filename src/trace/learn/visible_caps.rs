@@ -22,6 +22,7 @@ use super::super::transport::{Landing, Outcome, Start, Transport};
 use super::super::work::{Lattice, Share, Work};
 use crate::geometry::PrimitiveId;
 use crate::light::Cap;
+use crate::shade::Footprint;
 
 /// Fewest meetings that tell which part of a lamp is visible: so many places on a disk reach to 0.9 of its radius.
 const FEWEST: usize = 6;
@@ -75,7 +76,7 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let mut meeting = meet(scene, &landing, path.media);
-        let varied = look_up(scene, &landing, false, &mut meeting);
+        let varied = look_up(scene, &landing, Footprint::default(), &mut meeting);
         let material = varied.as_ref().unwrap_or(meeting.material(scene));
         if material.emits() {
             met.push((meeting.primitive, meeting.surface.normal));

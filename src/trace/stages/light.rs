@@ -14,7 +14,7 @@ use super::meet::meet;
 use super::pass::passes as passes_through;
 use crate::geometry::{Found, Segment};
 use crate::light::{Incoming, LightQuery, LightSample, Receiver, Target};
-use crate::shade::{Material, Response};
+use crate::shade::{Footprint, Material, Response};
 use crate::spacetime::AtInfinity;
 
 /// Largest distance at which a ray aimed at a punctual light may pass it, relative to the move.
@@ -164,7 +164,7 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
     }
     if let Some(source) = LightSource::reached(vertex) {
         let mut meeting = meet(job.scene, landing, vertex.media);
-        let varied = look_up(job.scene, landing, false, &mut meeting);
+        let varied = look_up(job.scene, landing, Footprint::default(), &mut meeting);
         let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
         deposit(path, source, || vertex.brings * material.emission);
     }
@@ -174,7 +174,7 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
 /// Takes a light ray through a mirror or glass, and adds what emits behind the first of them.
 fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let mut meeting = meet(job.scene, landing, vertex.media);
-    let varied = look_up(job.scene, landing, false, &mut meeting);
+    let varied = look_up(job.scene, landing, Footprint::default(), &mut meeting);
     let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
     let front = landing.direction.dot(meeting.surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {

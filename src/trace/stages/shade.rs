@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::super::job::Job;
 use super::super::path::{Gathers, Path};
+use super::super::ray_cone::RayCone;
 use super::super::samples::Samples;
 use super::super::transport::Landing;
 use super::super::vertex::Vertex;
@@ -16,7 +17,7 @@ use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
 use crate::light::{LightQuery, LightSample, Receiver, Sampling, Target};
-use crate::shade::{Bounce, Material, Response, SortedHits};
+use crate::shade::{Bounce, Footprint, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
 /// continuation, as `vertex` says; `None` if it ends here.
@@ -24,13 +25,13 @@ use crate::shade::{Bounce, Material, Response, SortedHits};
 pub fn shade(
     job: &Job,
     path: &mut Path,
-    vertex: &mut Vertex,
+    (vertex, cone): (&mut Vertex, &mut RayCone),
     landing: &Landing,
     numbers: &Numbers,
     samples: &mut Samples,
 ) -> Option<DVec3> {
     let mut varied = None;
-    let (arrival, material) = arrive(job, path, vertex, landing, (samples, &mut varied))?;
+    let (arrival, material) = arrive(job, path, (vertex, cone), landing, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let query = light_query(job, path, material, landing, &arrival, numbers);
     let light = job.illumination.as_ref().zip(query);
@@ -40,7 +41,7 @@ pub fn shade(
         None => Response::default(),
     };
     let scattered = (&lobe.sample(&incidence, numbers.ray), &response);
-    leave(job, path, vertex, (landing, &arrival, light.as_ref()), scattered, numbers)
+    leave(job, path, (vertex, cone), (landing, &arrival, light.as_ref()), scattered, numbers)
 }
 
 /// Landings that are shaded side by side at most: all that is known of them stays in the first-level cache.
@@ -59,25 +60,27 @@ pub struct Shading {
 
 impl Shading {
     /// Shades landings of `paths` by lane as [`shade`] does, lobes side by side: calls `end` with the place of each among
-    /// them, its path's vertex, and the direction of the next ray. Without light sampling there are no `vertices`.
+    /// them, its path's vertex, and the direction of the next ray. Without light sampling there are no `vertices`, without
+    /// filtered textures no `cones`.
     pub fn shade_all(
         &mut self,
         job: &Job,
         landed: &[(usize, Landing)],
-        (paths, vertices): (&mut [Path], &mut [Vertex]),
+        (paths, vertices, cones): (&mut [Path], &mut [Vertex], &mut [RayCone]),
         draws: &Draws,
         samples: &mut Samples,
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
         let Self { arrivals, queries, sampling, lights, hits } = self;
-        let (mut free, mut varied) = (Vertex::default(), None);
+        let (mut free, mut point, mut varied) = (Vertex::default(), RayCone::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
             arrivals.clear();
             queries.clear();
             for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
-                match arrive(job, path, vertex, landing, (samples, &mut varied)) {
+                let cone = cones.get(*lane).unwrap_or(&point);
+                match arrive(job, path, (vertex, cone), landing, (samples, &mut varied)) {
                     Some((arrival, material)) => {
                         hits.push(&material.lobe, &arrival.meeting.incidence(landing.direction), numbers.ray);
                         let query = light_query(job, path, material, landing, &arrival, &numbers);
@@ -97,8 +100,9 @@ impl Shading {
                 let (place, arrival, query) = &arrivals[number];
                 let ((lane, landing), numbers) = (&landed[*place], draws.vertex(*place));
                 let (path, vertex) = (&mut paths[*lane], vertices.get_mut(*lane).unwrap_or(&mut free));
+                let cone = cones.get_mut(*lane).unwrap_or(&mut point);
                 let at = (landing, arrival, light_of(*query));
-                let direction = leave(job, path, vertex, at, (bounce, response), &numbers);
+                let direction = leave(job, path, (vertex, cone), at, (bounce, response), &numbers);
                 end(*place, vertex, direction);
             });
         }
@@ -109,6 +113,8 @@ impl Shading {
 struct ScatterPoint {
     /// Surface that is met.
     meeting: Meeting,
+    /// Width of the ray's cone there; 0 if no texture can be filtered.
+    width: f64,
     /// True if its material is a mirror or glass.
     is_specular: bool,
     /// True if light from beyond the surface gets through it.
@@ -121,13 +127,18 @@ struct ScatterPoint {
 fn arrive<'a>(
     job: &Job<'a>,
     path: &mut Path,
-    vertex: &Vertex,
+    (vertex, cone): (&Vertex, &RayCone),
     landing: &Landing,
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
 ) -> Option<(ScatterPoint, &'a Material)> {
     let mut meeting = meet(job.scene, landing, path.media);
+    let width = job.cones.as_ref().map_or(0.0, |cones| cones.width(cone, landing));
     if job.has_maps {
-        *varied = look_up(job.scene, landing, path.depth == 1, &mut meeting);
+        let footprint = match job.cones {
+            Some(_) => cone.footprint(width, landing.direction.dot(meeting.surface.normal)),
+            None => Footprint::default(),
+        };
+        *varied = look_up(job.scene, landing, footprint, &mut meeting);
     }
     let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
     record_hit(path, landing, &meeting, material, samples);
@@ -138,7 +149,7 @@ fn arrive<'a>(
         Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
         _ => {}
     }
-    Some((ScatterPoint { meeting, is_specular, both_sides: material.lobe.transmits() }, material))
+    Some((ScatterPoint { meeting, width, is_specular, both_sides: material.lobe.transmits() }, material))
 }
 
 /// Query for light that may come to where a path arrived.
@@ -164,15 +175,16 @@ fn light_query(
 fn leave(
     job: &Job,
     path: &mut Path,
-    vertex: &mut Vertex,
-    (landing, &ScatterPoint { ref meeting, is_specular, both_sides }, light): (
-        &Landing,
-        &ScatterPoint,
-        Option<&LightSample>,
-    ),
+    (vertex, cone): (&mut Vertex, &mut RayCone),
+    (landing, arrival, light): (&Landing, &ScatterPoint, Option<&LightSample>),
     (bounce, response): (&Bounce, &Response),
     numbers: &Numbers,
 ) -> Option<DVec3> {
+    let &ScatterPoint { ref meeting, width, is_specular, both_sides } = arrival;
+    if let Some(cones) = &job.cones {
+        let eta = meeting.incidence(landing.direction).eta;
+        *cone = cones.after((cone, path.sample), (landing, width), (bounce, eta), job.scene);
+    }
     let Some(illumination) = &job.illumination else {
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
     };

@@ -248,3 +248,57 @@ fn points_that_are_close_are_joined_by_short_lines() {
         assert!(relative(time, index * distance) < allowed, "{x} {y} {time}");
     }
 }
+
+#[test]
+fn beams_are_as_wide_as_neighbouring_rays_are_apart() {
+    /// Angle between the rays, radians.
+    const APART: f64 = 1e-7;
+    let world = World::new(1e-6);
+    let x = 10.0 * DVec3::new(0.6, 0.0, 0.8);
+    let (radial, across) = (x.normalize(), DVec3::new(-0.8, 0.0, 0.6));
+    let out_of_plane = radial.cross(across);
+    let critical = world.hole.critical_impact_parameter();
+    let index = world.index_squared(x).sqrt();
+    let (mut count, mut widest) = (0, 0.0_f64);
+    for share in [0.5, 0.9, 0.999, 1.0005, 1.003, 1.02, 1.1, 1.5, 3.0] {
+        let sin = share * critical / (x.length() * index);
+        let towards = |angle: f64, out: f64| {
+            let (sin, cos) = (sin.asin() + angle).sin_cos();
+            (out.cos() * (sin * across - cos * radial) + out.sin() * out_of_plane).normalize()
+        };
+        let direction = towards(0.0, 0.0);
+        for swept in [0.3, 1.0, 2.0, 2.8, 3.5, 4.4, 6.0, 7.5] {
+            let at = |direction, swept: f64| {
+                let end: DVec3 = march(&world.hole, x, direction, swept)?;
+                let is_there = end.normalize().dot(x.normalize()) - swept.cos();
+                (is_there.abs() < 1e-3 && (0.3..200.0).contains(&end.length())).then_some(end)
+            };
+            // Not by way of infinity.
+            let Some(y) = (1..20).fold(at(direction, swept), |end, part| {
+                at(direction, swept * f64::from(part) / 20.0).and(end)
+            }) else {
+                continue;
+            };
+            let [before, after] = [-1e-6, 1e-6].map(|angle| at(direction, swept + angle));
+            let (Some(before), Some(after)) = (before, after) else { continue };
+            let travel = (after - before).normalize();
+            let width = |[one, other]: [DVec3; 2]| {
+                let offset = at(one, swept)? - at(other, swept)?;
+                Some((offset - offset.dot(travel) * travel).length() / APART)
+            };
+            let half = 0.5 * APART;
+            let found = [
+                width([towards(half, 0.0), towards(-half, 0.0)]),
+                width([towards(0.0, half), towards(0.0, -half)]),
+            ];
+            let [Some(along), Some(out)] = found else { continue };
+            let widths = world.lens.beam_widths(&world.site(x), direction, &world.site(y), travel);
+            let [in_plane, beside] = widths.unwrap_or_else(|| panic!("{share} {swept}"));
+            let name = format!("b {share}, swept {swept}: {in_plane} for {along}, {beside} for {out}");
+            assert!(relative(in_plane, along) < 1e-3 && relative(beside, out) < 1e-3, "{name}");
+            (count, widest) = (count + 1, widest.max(in_plane));
+        }
+    }
+    // Also around the hole, where beams get far wider than they would without it.
+    assert!(count > 40 && widest > 1e3, "{count} beams, up to {widest}");
+}
