@@ -2,7 +2,7 @@
 
 use crate::support::lit::{Agreement, picture as noisy_picture};
 use crate::support::quads::{Quad, gltf, picture};
-use crate::support::{camera, film, hole, render, scene_with};
+use crate::support::{camera, film, hole, render, scene_with, spacetimes};
 use glam::DVec3;
 use image::RgbaImage;
 use serde_json::{Value, json};
@@ -238,9 +238,8 @@ fn lamp(text: &str) -> Baked {
 
 #[test]
 fn a_textured_lamp_lights_the_same_with_and_without_light_sampling() {
-    let around = hole(DVec3::new(1.0, 1.5, 0.5), 0.6);
-    for (what, spacetime) in [("flat", ""), ("around a hole", &around)] {
-        let mut scene = lamp(spacetime);
+    for (what, spacetime) in spacetimes(DVec3::new(1.0, 1.5, 0.5), 0.6) {
+        let mut scene = lamp(&spacetime);
         let with = noisy_picture(&mut scene, Geodesic, 128, 1);
         let without = noisy_picture(&mut scene, Off, 1024, 2);
         Agreement::of(&with, &without).check(what);
@@ -324,9 +323,8 @@ fn a_textured_scene_is_the_same_by_either_schedule_bit_for_bit() {
 
 #[test]
 fn a_screen_with_holes_looks_the_same_with_and_without_light_sampling() {
-    let around = hole(DVec3::new(1.0, 1.5, 0.5), 0.6);
-    for (what, spacetime) in [("flat", ""), ("around a hole", &around)] {
-        let mut scene = screened(spacetime);
+    for (what, spacetime) in spacetimes(DVec3::new(1.0, 1.5, 0.5), 0.6) {
+        let mut scene = screened(&spacetime);
         let with = noisy_picture(&mut scene, Geodesic, 128, 1);
         let without = noisy_picture(&mut scene, Off, 1024, 2);
         Agreement::of(&with, &without).check(what);

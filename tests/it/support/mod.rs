@@ -122,6 +122,19 @@ pub fn interstellar(center: DVec3, [radius, length, width]: [f64; 3], keys: &str
     )
 }
 
+/// `[spacetime]` of every kind in which lights are looked for in another way, with its name: no hole, holes of a
+/// Schwarzschild radius, without and with spin, and a wormhole of half that throat radius.
+pub fn spacetimes(center: DVec3, size: f64) -> [(&'static str, String); 4] {
+    let spinning =
+        hole(center, size).replace("schwarzschild\"\n", "kerr\"\n") + "spin = 0.9\naxis = [1, 3, 1]\n";
+    [
+        ("flat", String::new()),
+        ("around a hole", hole(center, size)),
+        ("around a spinning hole", spinning),
+        ("before a wormhole", wormhole(center, 0.5 * size, "")),
+    ]
+}
+
 /// The entity or camera of a text, on the far side.
 pub fn far(text: &str) -> String {
     text.to_owned() + "side = \"far\"\n"
