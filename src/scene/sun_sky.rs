@@ -14,6 +14,8 @@ const ELEVATION: f64 = 15.0;
 const SUN_SIZE: f64 = 0.545;
 /// Reflectance of the ground.
 const GROUND: f32 = 0.3;
+/// Largest factor on the sun: its radiance can be computed with even if it is small.
+const BRIGHTEST: f64 = 1e8;
 /// Largest amount of air, dust or ozone.
 const MOST: f64 = 10.0;
 
@@ -28,10 +30,16 @@ pub(super) fn sun_sky(table: &EnvironmentTable, strength: f32) -> Result<SunSky,
     })?;
     let azimuth = table.sun_azimuth.as_ref().map_or(Ok(0.0), |angle| check::finite(angle, "sun_azimuth"))?;
     let size = table.sun_size.as_ref().map_or(Ok(SUN_SIZE), |angle| {
-        check::within(angle, 0.01..=90.0, "sun_size", "it is the angle across the sun in degrees")
+        check::within(angle, 0.01..=20.0, "sun_size", "it is the angle across the sun in degrees")
     })?;
     let disk_strength =
         table.sun_strength.as_ref().map_or(Ok(1.0), |factor| check::non_negative(factor, "sun_strength"))?;
+    if f64::from(strength) * disk_strength > BRIGHTEST
+        && let Some(factor) = table.sun_strength.as_ref().or(table.strength.as_ref())
+    {
+        let problem = format!("`strength` times `sun_strength` is more than {BRIGHTEST:e}");
+        return Err(Fault::at(factor.span(), problem, "write smaller ones: 1 is the sun as it is"));
+    }
     let ground = table
         .ground_albedo
         .as_ref()

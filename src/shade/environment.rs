@@ -66,7 +66,12 @@ impl Environment {
 
     /// True if no light comes from infinity.
     pub fn is_black(&self) -> bool {
-        matches!(self, Environment::Black) || matches!(self, Environment::Constant(c) if *c == Vec3::ZERO)
+        match self {
+            Environment::Black => true,
+            Environment::Constant(radiance) => *radiance == Vec3::ZERO,
+            Environment::SunSky(sky) => sky.is_black(),
+            Environment::Gradient { .. } | Environment::Image(_) => false,
+        }
     }
 }
 

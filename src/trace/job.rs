@@ -34,7 +34,8 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// A render of `scene` under `settings`, before anything is known of its lights and ray cones, that gives up when `halt` is due.
+    /// A render of `scene` under `settings`, before anything is known of its lights and ray cones, that gives up when
+    /// `halt` is due.
     pub fn new(scene: &'a Baked, settings: &'a Settings, halt: Halt<'a>) -> Self {
         let sampler = match settings.sampler {
             SamplerKind::Sobol => Sampler::sobol(settings.seed),

@@ -73,8 +73,7 @@ impl RayCones {
             |beams: &dyn Beams| beams.widths(((side, position), direction), (end, landing.direction));
         let bent = self.beams.as_deref().and_then(widths).map(|[along, across]| along.max(across));
         let bent = bent.filter(|width| width.is_finite());
-        let stretch = bent.zip(straight).map_or(1.0, |(bent, straight)| bent / straight);
-        (stretch * width + bent.or(straight).unwrap_or(0.0) * spread).abs()
+        (width + bent.or(straight).unwrap_or(0.0) * spread).abs()
     }
 
     /// Cone of the ray of a sample after a bounce where its cone is so wide, off a surface or through it to where the index

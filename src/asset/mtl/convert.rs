@@ -1,13 +1,14 @@
 //! Materials of a library → the nearest ones that the tracer has.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DVec2, Vec3};
 
 use super::bump;
-use super::layers;
 use super::map_statement::MapStatement;
+use super::metallic_roughness;
 use super::names::find;
 use crate::asset::files::Files;
 use crate::asset::flaw::Flaw;
@@ -16,7 +17,7 @@ use crate::asset::notes::Notes;
 use crate::asset::textures::TextureTable;
 use crate::shade::{
     Dielectric, Diffuse, Lobe, Maps, Material, MipImage, Mirror, NormalMap, Opacity, Principled, Texture,
-    TextureChannel, TextureId, UvTransform,
+    TextureChannel, TextureId, UvTransform, Wrap,
 };
 
 /// Albedo of a material that does not say.
@@ -38,6 +39,18 @@ const SMOOTH: f32 = 1000.0;
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 
+/// Pictures that were made of others, or why they could not be: each once, by the files that they were made of.
+pub type MadePictures = HashMap<MadeOf, Result<Arc<MipImage>, String>>;
+
+/// What a picture is made of.
+#[derive(PartialEq, Eq, Hash)]
+pub enum MadeOf {
+    /// Normals of heights, and how these go on beyond their edges.
+    Heights(PathBuf, Wrap),
+    /// Roughness and metal.
+    RoughnessAndMetal([Option<PathBuf>; 2]),
+}
+
 /// Turns the materials of one library into the nearest ones that the tracer has.
 pub struct Converter<'a> {
     pub name: &'a str,
@@ -45,6 +58,7 @@ pub struct Converter<'a> {
     pub folder: &'a Path,
     pub files: &'a Files,
     pub pictures: &'a mut TextureTable<PathBuf>,
+    pub made: &'a mut MadePictures,
     pub notes: &'a mut Notes,
 }
 
@@ -69,6 +83,9 @@ impl Converter<'_> {
         let maps = Maps { emission: emission_map, normal: self.normal(material), ..Maps::default() };
         let plain = Material { emission, maps, ..Material::default() };
         if is_glass {
+            for keyword in LAYER_MAPS.iter().filter(|key| material.unknown_param.contains_key(**key)) {
+                self.notes.add(format!("`{keyword}` of glass is ignored, in material"), self.name);
+            }
             return Material { lobe: glass(material), ..plain };
         }
         if is_mirror && !is_layered {
@@ -126,16 +143,39 @@ impl Converter<'_> {
 
     /// Normals of `norm`, or else of `map_Bump`: heights, unless it looks like normals.
     fn normal(&mut self, material: &tobj::Material) -> Option<NormalMap> {
-        let of_normals = material.unknown_param.get("norm").map(|map| ("norm", map.as_str()));
-        let (keyword, map) =
-            of_normals.or(material.normal_texture.as_deref().map(|map| ("map_Bump", map)))?;
-        let statement = MapStatement::of(map);
-        let mut image = self.image(keyword, Encoding::Data, &statement)?;
-        if keyword != "norm" && !bump::is_normal_map(&image) {
-            let normals = bump::normals(&image, statement.wrap, &self.files.memory());
-            image = Arc::new(self.usable(keyword, statement.name, normals.map_err(|flaw| flaw.problem))?);
+        let (norm, bump) = (material.unknown_param.get("norm"), material.normal_texture.as_deref());
+        let of_normals = norm.and_then(|map| {
+            let statement = MapStatement::of(map);
+            Some((self.image("norm", Encoding::Data, &statement)?, statement))
+        });
+        if of_normals.is_some() && bump.is_some() {
+            self.notes.add("`map_Bump` beside `norm` is ignored, in material", self.name);
         }
+        let (image, statement) = of_normals.or_else(|| self.bumps(bump?))?;
         Some(NormalMap { texture: self.placed(image, &statement), scale: statement.bumps as f32 })
+    }
+
+    /// Normals of a statement of bumps.
+    fn bumps<'m>(&mut self, map: &'m str) -> Option<(Arc<MipImage>, MapStatement<'m>)> {
+        let statement = MapStatement::of(map);
+        let image = self.image("map_Bump", Encoding::Data, &statement)?;
+        if bump::is_normal_map(&image) {
+            return Some((image, statement));
+        }
+        let made_of = MadeOf::Heights(find(self.folder, statement.name), statement.wrap);
+        let memory = self.files.memory();
+        let normals = self.made(made_of, || bump::normals(&image, statement.wrap, &memory));
+        Some((self.usable("map_Bump", statement.name, normals)?, statement))
+    }
+
+    /// A picture that is made of others.
+    fn made(
+        &mut self,
+        made_of: MadeOf,
+        make: impl FnOnce() -> Result<MipImage, Flaw>,
+    ) -> Result<Arc<MipImage>, String> {
+        let make = || make().map(Arc::new).map_err(|flaw| flaw.problem);
+        self.made.entry(made_of).or_insert_with(make).clone()
     }
 
     /// Roughness and metal of `map_Pr` and `map_Pm` in one texture, and which of them there are: unlike other pictures
@@ -152,9 +192,15 @@ impl Converter<'_> {
         if placed.next().is_some_and(|other| !first.is_placed_as(other)) {
             self.notes.add("`map_Pm` is placed as `map_Pr` is, in material", self.name);
         }
-        let both = layers::together(images.each_ref().map(Option::as_deref), &self.files.memory());
-        match self.usable("map_Pr", first.name, both.map_err(|flaw| flaw.problem)) {
-            Some(image) => (Some(self.placed(Arc::new(image), first)), has),
+        let paths = [0, 1].map(|i| {
+            statements[i].as_ref().filter(|_| has[i]).map(|statement| find(self.folder, statement.name))
+        });
+        let memory = self.files.memory();
+        let both = self.made(MadeOf::RoughnessAndMetal(paths), || {
+            metallic_roughness::together(images.each_ref().map(Option::as_deref), &memory)
+        });
+        match self.usable("map_Pr", first.name, both) {
+            Some(image) => (Some(self.placed(image, first)), has),
             None => (None, [false; 2]),
         }
     }

@@ -58,7 +58,7 @@ impl<'a> MapStatement<'a> {
             ("-bm", Some(number)) => self.bumps = number,
             ("-clamp", _) if value == "on" => self.wrap = Wrap::Clamp,
             ("-cc", _) if value != "on" => {}
-            ("-mm" | "-t" | "-imfchan" | "-cc", _) => self.ignored = Some(option),
+            ("-mm" | "-t" | "-imfchan" | "-cc" | "-boost" | "-texres", _) => self.ignored = Some(option),
             _ => {}
         }
     }

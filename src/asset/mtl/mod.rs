@@ -2,8 +2,8 @@
 
 mod bump;
 mod convert;
-mod layers;
 mod map_statement;
+mod metallic_roughness;
 mod names;
 mod screened;
 
@@ -15,7 +15,7 @@ use super::files::Files;
 use super::notes::Notes;
 use super::textures::TextureTable;
 use crate::shade::{Material, Texture};
-use convert::Converter;
+use convert::{Converter, MadePictures};
 use map_statement::MapStatement;
 use names::{find, library_names, without_comment};
 use screened::Screened;
@@ -34,6 +34,7 @@ pub(super) struct Libraries {
     /// Libraries that were read.
     read: HashSet<PathBuf>,
     pictures: TextureTable<PathBuf>,
+    made: MadePictures,
 }
 
 impl Libraries {
@@ -86,6 +87,7 @@ impl Libraries {
                 folder,
                 files,
                 pictures: &mut self.pictures,
+                made: &mut self.made,
                 notes: &mut notes,
             };
             let material = converter.convert(material);

@@ -1,5 +1,7 @@
 //! Tests of libraries.
 
+use std::sync::Arc;
+
 use glam::{DVec2, Vec3, Vec4};
 
 use super::*;
@@ -191,7 +193,8 @@ fn very_many_unknown_statements_are_a_few_lines() {
 #[test]
 fn bumps_are_normals_if_they_are_blue_and_heights_if_they_are_grey() {
     let text = "newmtl a\nmap_Bump -bm 0.5 n.png\nnewmtl b\nbump -bm 2 -clamp on tex/e 1.png\nnewmtl c\nnorm g.png\n\
-                newmtl d\nillum 7\nmap_bump n.png\nnewmtl e\nmap_Bump gone.png\nnewmtl f\nmap_bump g.png\nnorm n.png\n";
+                newmtl d\nillum 7\nmap_bump n.png\nnewmtl e\nmap_Bump gone.png\nnewmtl f\nmap_bump g.png\nnorm n.png\n\
+                newmtl g\nnorm gone.png\nmap_bump n.png\nnewmtl h\nbump -clamp on tex/e 1.png\n";
     let (mut libraries, warnings) = read_beside_pictures(text.as_bytes());
     let (materials, textures) = libraries.take();
     let map = |index: usize| {
@@ -206,15 +209,26 @@ fn bumps_are_normals_if_they_are_blue_and_heights_if_they_are_grey() {
     assert!(scale == 2.0 && (normal / normal.z - Vec3::new(0.5, -0.5, 1.0)).length() < 1e-3, "{normal}");
     assert_eq!(map(2), Some((Vec4::new(0.2, 0.2, 0.2, 1.0), 1.0)));
     assert_eq!((materials[3].is_dielectric(), map(3)), (true, Some((leaning, 1.0))));
-    assert_eq!((map(4), map(5)), (None, Some((leaning, 1.0))));
-    assert_eq!(warnings.len(), 1, "{warnings:?}");
-    assert!(warnings[0].contains("pictures of `map_Bump` that cannot be used are ignored: gone.png"));
+    assert_eq!((map(4), map(5), map(6)), (None, Some((leaning, 1.0)), Some((leaning, 1.0))));
+    let image = |index: usize| {
+        let TextureId(id) = materials[index].maps.normal.expect("a map").texture;
+        &textures[id as usize].image
+    };
+    assert!(Arc::ptr_eq(image(1), image(7)), "normals of the same heights are made once");
+    for said in [
+        "pictures of `map_Bump` that cannot be used are ignored: gone.png",
+        "pictures of `norm` that cannot be used are ignored: gone.png",
+        "`map_Bump` beside `norm` is ignored, in material: f",
+    ] {
+        assert!(warnings.iter().any(|line| line.contains(said)), "{said}: {warnings:?}");
+    }
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
 }
 
 #[test]
 fn pictures_of_roughness_and_metal_take_the_places_of_their_numbers() {
     let text = "newmtl a\nPr 0.5\nmap_Pr g.png\nnewmtl b\nPr 0.5\nPm 0\nmap_Pm g.png\nnewmtl c\nmap_Pr g.png\n\
-                map_Pm -s 2 2 tex/e 1.png\nnewmtl d\nmap_Pr gone.png\nPr 0.25\n";
+                map_Pm -s 2 2 tex/e 1.png\nnewmtl d\nmap_Pr gone.png\nPr 0.25\nnewmtl e\nillum 7\nmap_Pr g.png\n";
     let (mut libraries, warnings) = read_beside_pictures(text.as_bytes());
     let (materials, textures) = libraries.take();
     let read = |index: usize, at: [usize; 2]| {
@@ -236,9 +250,10 @@ fn pictures_of_roughness_and_metal_take_the_places_of_their_numbers() {
             "{index}: {got:?}"
         );
     }
-    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
     assert_eq!(warnings[0], "a.mtl: `map_Pm` is placed as `map_Pr` is, in material: c");
     assert!(warnings[1].contains("gone.png"), "{warnings:?}");
+    assert_eq!(warnings[2], "a.mtl: `map_Pr` of glass is ignored, in material: e");
 }
 
 #[test]

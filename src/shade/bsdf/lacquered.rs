@@ -27,6 +27,9 @@ columns! {
     }
 }
 
+/// Least albedo by which what is beneath is chosen: what is black at normal incidence may reflect at others.
+const LEAST_BENEATH: f64 = 0.25;
+
 /// The coat and what is beneath for light from one direction.
 struct CoatOver {
     frame: LocalFrame,
@@ -88,7 +91,7 @@ impl CoatOver {
         let coat = Coat::new(clearcoat, clearcoat_roughness.into(), wi.z)?;
         let beneath = Principled { clearcoat: 0.0, ..lobe.principled };
         let coated = f64::from(coat.reflectance);
-        let passes = (1.0 - coated) * f64::from(beneath.albedo().max_element());
+        let passes = (1.0 - coated) * f64::from(beneath.albedo().max_element()).max(LEAST_BENEATH);
         Some(Self { frame, wi, coat, chance: coated / (coated + passes), beneath })
     }
 

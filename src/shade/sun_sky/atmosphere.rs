@@ -57,7 +57,9 @@ impl Atmosphere {
         let length = view.length_to(TOP);
         let first = if sun.y < 0.0 { view.leaves_shadow(sun) } else { 0.0 };
         let [mut air, mut aerosols] = [[0.0; _]; 2];
-        if first >= length {
+        // Looking straight away from the sun, it never does.
+        let is_lit = first < length;
+        if !is_lit {
             return [DVec3::ZERO; 2];
         }
         for &(fraction, weight) in &self.rule {

@@ -25,7 +25,12 @@ impl SunDisk {
     /// The disk that brings `irradiance` to a surface that faces it.
     pub fn new(middle: DVec3, radius: f64, irradiance: Vec3) -> Self {
         let chord2 = (2.0 * libm::sin(0.5 * radius)).powi(2);
-        Self { middle, radius, radiance: irradiance / (PI * chord2) as f32, chord2 }
+        Self { middle, radius, radiance: irradiance / projected(radius) as f32, chord2 }
+    }
+
+    /// Irradiance of a surface that faces it.
+    pub fn irradiance(&self) -> Vec3 {
+        self.radiance * projected(self.radius) as f32
     }
 
     /// True if the sun is in this unit direction.
@@ -47,4 +52,9 @@ impl SunDisk {
         let radius = (height * (2.0 - height)).sqrt();
         radius * (cos * tangent + sin * bitangent) + (1.0 - height) * self.middle
     }
+}
+
+/// Integral of the cosine to the middle over a disk of an angular radius.
+fn projected(radius: f64) -> f64 {
+    PI * libm::sin(radius).powi(2)
 }

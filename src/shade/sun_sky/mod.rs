@@ -74,9 +74,10 @@ impl SunSky {
         let sunlight = atmosphere.sunlight(direction(elevation.max(0.0), 0.0)).as_vec3().max(Vec3::ZERO);
         let lit = disk.filter(|diameter| elevation + 0.5 * diameter > 0.0);
         let disk = lit
-            .map(|diameter| SunDisk::new(towards_sun, 0.5 * diameter, sunlight * (strength * disk_strength)));
+            .map(|diameter| SunDisk::new(towards_sun, 0.5 * diameter, sunlight * (strength * disk_strength)))
+            .filter(|disk| disk.radiance != Vec3::ZERO);
         let mut sky = Self { clear_sky, towards_sun, dome, ground: Vec3::ZERO, disk };
-        let direct = disk.map_or(Vec3::ZERO, |disk| disk.radiance * disk.solid_angle() as f32);
+        let direct = disk.map_or(Vec3::ZERO, |disk| disk.irradiance());
         let irradiance = sky.irradiance() + direct * towards_sun.y.max(0.0) as f32;
         sky.ground = ground * irradiance / std::f32::consts::PI;
         sky
@@ -97,6 +98,12 @@ impl SunSky {
     /// The sun's disk, if there is one in the sky.
     pub fn disk(&self) -> Option<SunDisk> {
         self.disk
+    }
+
+    /// True if no light comes from it.
+    pub fn is_black(&self) -> bool {
+        let is_dark = self.dome.iter().flatten().all(|part| *part == Vec3::ZERO);
+        is_dark && self.ground == Vec3::ZERO && self.disk.is_none()
     }
 
     /// Memory of the dome, bytes.
@@ -265,7 +272,8 @@ mod tests {
                 let disk = sky.disk().expect("a disk");
                 let solid_angle = 2.0 * PI * (1.0 - (0.5 * size).to_radians().cos());
                 assert!((disk.solid_angle() / solid_angle - 1.0).abs() < 1e-9, "{size}");
-                let irradiance = disk.radiance * solid_angle as f32;
+                let projected = PI * (0.5 * size).to_radians().sin().powi(2);
+                let irradiance = disk.radiance * projected as f32;
                 assert!(
                     off(irradiance, expected.into()) < 6e-3,
                     "{elevation} {size}: {irradiance} is not {expected:?}"
@@ -305,6 +313,8 @@ mod tests {
         assert!(of(&|sky| sky.disk = None).radiance(at(15.0, 0.0)).max_element() < 100.0);
         let night = of(&|sky| sky.elevation = -FRAC_PI_2);
         assert_eq!(night.radiance(at(40.0, 0.0)), Vec3::ZERO);
+        assert!(night.dome.iter().flatten().all(|part| part.is_finite()));
+        assert!(of(&|sky| sky.strength = 0.0).is_black() && !plain.is_black());
     }
 
     #[test]
@@ -319,7 +329,7 @@ mod tests {
             irradiance += sky.around_sun(direction(up, away)) * measure as f32;
         }
         let disk = sky.disk().unwrap();
-        irradiance += disk.radiance * (disk.solid_angle() * 35f64.to_radians().sin()) as f32;
+        irradiance += disk.irradiance() * 35f64.to_radians().sin() as f32;
         let ratio = sky.radiance(DVec3::NEG_Y) * std::f32::consts::PI / (0.3 * irradiance);
         assert!(ratio.abs_diff_eq(Vec3::ONE, 2e-3), "{ratio}");
     }

@@ -15,7 +15,7 @@ use crate::math::fast_log2::{WIDE_OCTAVE, wide_log2};
 const FINER: f32 = 0.5;
 
 /// Wrapping of a coordinate beyond 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image again and again.
     Repeat,

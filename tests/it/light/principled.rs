@@ -145,6 +145,8 @@ fn a_coat_with_a_normal_of_its_own_scatters_as_it_says_and_gains_nothing() {
             coated,
             Principled { metallic: 0.0, ..coated },
             Principled { clearcoat_roughness: 0.0, ..coated },
+            Principled { base: Vec3::ZERO, ..coated },
+            Principled { base: Vec3::ZERO, clearcoat_roughness: 0.0, ..coated },
         ] {
             for cos in COSINES {
                 let (lobe, incidence) = (Lacquered { principled, clearcoat_normal }, incidence(cos, 1.0));

@@ -148,7 +148,7 @@ fn keys_of_a_clear_sky_are_checked() {
         ("sun_elevation = 91", "sun_elevation must be from -90 to 90"),
         ("sun_elevation = nan", "sun_elevation must be finite"),
         ("sun_azimuth = inf", "sun_azimuth must be finite"),
-        ("sun_size = 0", "sun_size must be from 0.01 to 90"),
+        ("sun_size = 0", "sun_size must be from 0.01 to 20"),
         ("sun_strength = -1", "sun_strength must not be negative"),
         ("dust = 11", "dust must be from 0 to 10"),
         ("ozone = -1", "ozone must be from 0 to 10"),
@@ -158,6 +158,7 @@ fn keys_of_a_clear_sky_are_checked() {
         ("rotation = 10", "write `sun_azimuth`"),
         ("color = 1", "exclude each other"),
         ("strength = -2", "strength must not be negative"),
+        ("sun_strength = 1e9", "`strength` times `sun_strength` is more than 1e8"),
     ] {
         let message = load(&clear(keys)).err().unwrap_or_else(|| panic!("{keys} is accepted"));
         assert!(message.contains(expected) && message.contains("help: "), "{keys}: {message}");
