@@ -72,7 +72,7 @@ fn every_scene_of_the_repository_loads() {
         assert!(!baked.entities.is_empty() || !baked.environment.is_black());
         count += 1;
     }
-    assert_eq!(count, 15);
+    assert_eq!(count, 16);
 }
 
 #[test]
