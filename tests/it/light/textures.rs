@@ -183,7 +183,8 @@ fn a_coat_has_the_normals_of_its_own_texture_and_none_of_the_base() {
         let text = "[camera]\nposition = [0, 0, 1]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\n\
                     projection = \"orthographic\"\nheight = 1\n[environment]\ncolor = [1, 1, 1]\n"
             .to_owned()
-            + &film(2, 2);
+            + &film(2, 2)
+            + "[render]\nspp = 1024\n";
         let scene = scene(&text, &[square()], &json!([coated]), &[image()]);
         render(&scene, &Run::default()).image.channel("G").expect("G")[0]
     };
@@ -200,7 +201,9 @@ fn a_coat_has_the_normals_of_its_own_texture_and_none_of_the_base() {
         (Some(json!({ "index": 0, "scale": 2.0 })), false, reflectance(2.0)),
     ] {
         let found = seen(coat_normal.clone(), base_normal);
-        assert!((found - expected).abs() < 1e-5, "{coat_normal:?} {base_normal}: {found} is not {expected}");
+        // Coat and base are chosen by chance, one of four samples is the coat's.
+        let error = (found / expected - 1.0).abs();
+        assert!(error < 0.01, "{coat_normal:?} {base_normal}: {found} is not {expected}");
     }
     assert!(reflectance(1.0) > 0.08, "{}", reflectance(1.0));
 }
