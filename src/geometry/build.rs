@@ -187,6 +187,7 @@ impl Placed {
             normal_to_world: to_object.matrix3.transpose(),
             // Frobenius norm: an upper bound of the stretch.
             shrink: columns.iter().sum::<f64>().sqrt(),
+            is_mirrored: to_object.matrix3.determinant() < 0.0,
             surface,
         }
     }

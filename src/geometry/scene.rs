@@ -187,6 +187,8 @@ pub(super) struct Placed {
     pub(super) normal_to_world: DMat3,
     /// Largest stretch of an object-space distance under `to_object`.
     pub(super) shrink: f64,
+    /// True if it turns left into right.
+    pub(super) is_mirrored: bool,
     pub(super) surface: Surface,
 }
 
@@ -453,11 +455,11 @@ impl Geometry {
     }
 
     /// Barycentric coordinates of a point on the triangle in a slot of the top hierarchy, which is of an instance.
+    #[inline(always)]
     pub(super) fn single_weights(&self, slot: u32, instance: u32, point: DVec3) -> [f64; 3] {
         let (u, v) = self.triangle(slot).barycentrics(point);
         // Flattened triangles of mirrored placements were rewound, see `Placing`.
-        let rewound = self.placed[instance as usize].to_object.matrix3.determinant() < 0.0;
-        if rewound { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
+        if self.placed[instance as usize].is_mirrored { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
     }
 
     fn triangle_point(

@@ -12,7 +12,7 @@ use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::LightQuery;
 use super::sky::Sky;
-use super::tree::{Chances, Emission, LocalReceiver, Tree};
+use super::tree::{Descents, Emission, LocalReceiver, Tree};
 use crate::geometry::{Geometry, PrimitiveId, Shape};
 use crate::math::columns::Columns;
 use crate::math::rescale::rescale;
@@ -82,7 +82,10 @@ pub(super) enum ChosenLight<'a> {
 #[derive(Default)]
 pub(super) struct Choosing {
     receivers: Columns<LocalReceiver>,
-    chances: Columns<Chances>,
+    /// Numbers for the tree, of those that take a light from it.
+    numbers: Vec<Option<f64>>,
+    descents: Descents,
+    found: Vec<Option<(u32, f64, f64)>>,
 }
 
 impl Lights {
@@ -264,24 +267,18 @@ impl Lights {
             }
             return;
         }
-        let Choosing { receivers, chances } = choosing;
+        let Choosing { receivers, numbers, descents, found } = choosing;
         let [in_world, ..] = self.shares();
         receivers.grow(queries.len());
-        for (lane, LightQuery { receiver, .. }) in queries.iter().enumerate() {
+        numbers.clear();
+        for (lane, &LightQuery { ref receiver, numbers: [u, _] }) in queries.iter().enumerate() {
             receivers.set(lane, self.tree.receiver(receiver.position, receiver.lit_side()));
+            numbers.push((u < in_world).then(|| rescale(u, 0.0, in_world)));
         }
-        self.tree.chances_below_root(receivers, chances, queries.len());
+        self.tree.sample_all(receivers, numbers, descents, found);
         for (lane, &LightQuery { numbers: [u, _], .. }) in queries.iter().enumerate() {
-            each(
-                lane,
-                if u < in_world {
-                    let u = rescale(u, 0.0, in_world);
-                    let chosen = self.tree.sample_below(&receivers.get(lane), chances.get(lane), u);
-                    chosen.map(|chosen| self.in_tree(in_world, chosen))
-                } else {
-                    self.choose_beyond(u)
-                },
-            );
+            let in_tree = |chosen| self.in_tree(in_world, chosen);
+            each(lane, if u < in_world { found[lane].map(in_tree) } else { self.choose_beyond(u) });
         }
     }
 

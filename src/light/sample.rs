@@ -44,6 +44,20 @@ pub struct LightSample {
     pub light: Incoming,
 }
 
+impl LightSample {
+    /// The sample, where sampling at all was a choice of this probability.
+    #[inline(always)]
+    pub fn chosen_with(self, probability: f64) -> Self {
+        let light = match self.light {
+            Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, probability * density),
+            Incoming::Sky(there, density) => Incoming::Sky(there, probability * density),
+            Incoming::Seen(density) => Incoming::Seen(probability * density),
+            Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / probability as f32),
+        };
+        Self { light, ..self }
+    }
+}
+
 /// Light of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Incoming {

@@ -26,6 +26,24 @@ pub struct Illumination {
     least_chance: f64,
 }
 
+/// Memory of light sampling for many receivers.
+#[derive(Default)]
+pub struct GuidedSampling {
+    sampling: Sampling,
+    /// Places of the queries for light that comes directly, with the probabilities of that.
+    direct: Vec<(usize, f64)>,
+    /// Places of the others, with their samples.
+    specular: Vec<(usize, Option<LightSample>)>,
+}
+
+/// Way by which light is looked for.
+enum Way {
+    /// Through mirrors and glass: a sample of such light.
+    ThroughSpecular(Option<LightSample>),
+    /// Directly, which had this probability, from two numbers in [0, 1).
+    Direct(f64, [f64; 2]),
+}
+
 /// End of a ray that found light.
 #[derive(Clone, Copy, Debug)]
 pub enum LightEnd {
@@ -126,44 +144,68 @@ impl Illumination {
 
     /// A direction in which light may come to `receiver`, from two numbers in [0, 1): densities and probabilities are
     /// those of the whole choice.
-    pub fn sample(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
-        if !self.is_guided() {
-            return self.sampler.sample(&self.lights, receiver, [u, v]);
+    pub fn sample(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<LightSample> {
+        match self.choose_way(receiver, numbers) {
+            Way::ThroughSpecular(light) => light,
+            Way::Direct(share, numbers) => {
+                Some(self.sampler.sample(&self.lights, receiver, numbers)?.chosen_with(share))
+            }
         }
-        let near = self.near(receiver);
-        let specular = near.map_or(0.0, |near| near.share);
-        if u < specular {
-            let (direction, density) = near?.sample(receiver.position, [u / specular, v])?;
-            let light = Incoming::Radiance(Vec3::ONE, specular * density);
-            return Some(LightSample { direction, target: Target::ThroughSpecular, light });
-        }
-        let direct = 1.0 - specular;
-        let numbers = [((u - specular) / direct).min(1f64.next_down()), v];
-        let LightSample { direction, target, light } =
-            self.sampler.sample(&self.lights, receiver, numbers)?;
-        let light = match light {
-            Incoming::Radiance(radiance, density) => Incoming::Radiance(radiance, direct * density),
-            Incoming::Sky(there, density) => Incoming::Sky(there, direct * density),
-            Incoming::Seen(density) => Incoming::Seen(direct * density),
-            Incoming::Irradiance(irradiance) => Incoming::Irradiance(irradiance / direct as f32),
-        };
-        Some(LightSample { direction, target, light })
     }
 
-    /// [`Self::sample`] for many receivers.
+    /// [`Self::sample`] for many receivers; afterwards `queries` are those for light that comes directly.
     pub fn sample_all(
         &self,
-        queries: &[LightQuery],
-        sampling: &mut Sampling,
+        queries: &mut Vec<LightQuery>,
+        GuidedSampling { sampling, direct, specular }: &mut GuidedSampling,
         samples: &mut Vec<Option<LightSample>>,
     ) {
         samples.clear();
-        if self.is_guided() {
-            let sample = |query: &LightQuery| self.sample(&query.receiver, query.numbers);
-            samples.extend(queries.iter().map(sample));
-        } else {
-            self.sampler.sample_all(&self.lights, queries, sampling, samples);
+        if !self.is_guided() {
+            return self.sampler.sample_all(&self.lights, queries, sampling, samples);
         }
+        direct.clear();
+        let mut asked = 0;
+        queries.retain_mut(|query| {
+            let place = asked;
+            asked += 1;
+            match self.choose_way(&query.receiver, query.numbers) {
+                Way::ThroughSpecular(light) => {
+                    specular.push((place, light));
+                    false
+                }
+                Way::Direct(share, numbers) => {
+                    query.numbers = numbers;
+                    direct.push((place, share));
+                    true
+                }
+            }
+        });
+        self.sampler.sample_all(&self.lights, queries, sampling, samples);
+        samples.resize(asked, None);
+        // From the last on, so that none is overwritten before it is in its place.
+        for (number, &(place, share)) in direct.iter().enumerate().rev() {
+            samples[place] = samples[number].take().map(|light| light.chosen_with(share));
+        }
+        for (place, light) in specular.drain(..) {
+            samples[place] = light;
+        }
+    }
+
+    /// Chooses whether light comes to `receiver` through mirrors and glass or directly, from two numbers in [0, 1).
+    #[inline(always)]
+    fn choose_way(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> Way {
+        let near = self.near(receiver);
+        let specular = near.map_or(0.0, |near| near.share);
+        if u < specular {
+            let sample = |near: Neighbourhood| near.sample(receiver.position, [u / specular, v]);
+            return Way::ThroughSpecular(near.and_then(sample).map(|(direction, density)| {
+                let light = Incoming::Radiance(Vec3::ONE, specular * density);
+                LightSample { direction, target: Target::ThroughSpecular, light }
+            }));
+        }
+        let direct = 1.0 - specular;
+        Way::Direct(direct, [((u - specular) / direct).min(1f64.next_down()), v])
     }
 
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.

@@ -7,7 +7,7 @@ use super::Tree;
 use super::cluster::Cluster;
 use super::cone::Cone;
 use super::emission::Emission;
-use super::node::{LightTreeNode, Subtree};
+use super::node::{LightTreeNode, NarrowCluster, Subtree};
 
 /// Levels below the root, at most: a trail holds one bit for each and one that ends it.
 const DEEPEST: u32 = u64::BITS - 1;
@@ -49,8 +49,7 @@ impl Tree {
             .collect();
         let builder = Builder { emission, brightest, origin: tree.origin };
         // Every place is overwritten: a binary tree of n leaves has n − 1 pairs of children.
-        let placeholder =
-            LightTreeNode::new(&builder.cluster(&origin_prim[0]), tree.origin, Subtree::Emitter(0));
+        let placeholder = LightTreeNode { cluster: NarrowCluster::default(), subtree: Subtree::Emitter(0) };
         tree.nodes = vec![placeholder; 2 * origin_prim.len() - 2];
         let (root, _) = builder.grow(&mut origin_prim, &mut tree.nodes, 0, 0);
         tree.root = Some(root);
@@ -119,7 +118,7 @@ impl<E: Fn(u32) -> Emission + Sync> Builder<E> {
         let (left, right) =
             if count > MANY { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
         for (node, (subtree, cluster)) in pair.iter_mut().zip([left, right]) {
-            *node = LightTreeNode::new(&cluster, self.origin, subtree);
+            *node = LightTreeNode { cluster: NarrowCluster::new(&cluster, self.origin), subtree };
         }
         (Subtree::Pair(at), left.1.union(right.1))
     }

@@ -11,6 +11,7 @@
 mod build;
 mod cluster;
 mod cone;
+mod descent;
 mod emission;
 mod node;
 #[cfg(test)]
@@ -18,13 +19,13 @@ mod tests;
 
 use glam::DVec3;
 
+use descent::Descent;
+pub use descent::Descents;
 pub use emission::Emission;
-pub use node::{Chances, LocalReceiver};
-use node::{LightTreeNode, Siblings, Subtree};
+pub use node::LocalReceiver;
+use node::{Chances, LightTreeNode, Siblings, Subtree};
 
-use crate::math::columns::Columns;
-use crate::math::kernel::{Kernel, NOTHING, map};
-use crate::math::rescale::rescale;
+use crate::math::kernel::Kernel;
 
 /// A binary tree of emitters.
 #[derive(Default)]
@@ -50,52 +51,12 @@ impl Tree {
     /// With a positive floor an emitter is always found if there is one.
     pub fn sample(&self, x: DVec3, normal: Option<DVec3>, u: f64) -> Option<(u32, f64, f64)> {
         let receiver = self.receiver(x, normal);
-        let chances = match self.root? {
-            Subtree::Emitter(_) => Chances::default(),
-            Subtree::Pair(first) => self.chances(first, &receiver),
-        };
-        self.sample_below(&receiver, chances, u)
-    }
-
-    /// The same, given the chances of the two below the root.
-    #[inline]
-    pub fn sample_below(
-        &self,
-        receiver: &LocalReceiver,
-        mut chances: Chances,
-        mut u: f64,
-    ) -> Option<(u32, f64, f64)> {
-        let (mut subtree, mut probability) = (self.root?, 1.0);
+        let mut descent = Descent::new(self.root?, u);
         loop {
-            let first = match subtree {
-                Subtree::Emitter(emitter) => return Some((emitter, probability, u)),
-                Subtree::Pair(first) => first,
-            };
-            let Chances { left, right } = chances;
-            if left.is_nan() {
-                return None;
+            match descent.end() {
+                Ok(emitter) => return Some(emitter),
+                Err(first) => descent = descent.turn(self.pair(first), self.chances(first, &receiver))?,
             }
-            let goes_right = u >= left;
-            let (below, chance) = if goes_right { (left, 1.0 - left) } else { (0.0, left) };
-            u = rescale(u, below, chance);
-            probability *= if goes_right { right } else { left };
-            subtree = self.nodes[first as usize + usize::from(goes_right)].subtree;
-            if let Subtree::Pair(first) = subtree {
-                chances = self.chances(first, receiver);
-            }
-        }
-    }
-
-    /// Chances of the two below the root, for `lanes` receivers: none need be compared if there is only one emitter.
-    pub fn chances_below_root(
-        &self,
-        receivers: &Columns<LocalReceiver>,
-        chances: &mut Columns<Chances>,
-        lanes: usize,
-    ) {
-        chances.resize(lanes);
-        if let Some(Subtree::Pair(first)) = self.root {
-            map(&self.siblings(first), receivers.blocks(lanes), NOTHING, chances.blocks_mut(lanes));
         }
     }
 
@@ -130,10 +91,16 @@ impl Tree {
         LocalReceiver { x: x - self.origin, normal: normal.unwrap_or(DVec3::ZERO), is_one_sided }
     }
 
+    /// Two siblings.
+    #[inline(always)]
+    fn pair(&self, first: u32) -> [&LightTreeNode; 2] {
+        let first = first as usize;
+        [&self.nodes[first], &self.nodes[first + 1]]
+    }
+
     #[inline(always)]
     fn siblings(&self, first: u32) -> Siblings<'_> {
-        let first = first as usize;
-        Siblings { nodes: [&self.nodes[first], &self.nodes[first + 1]], floor: self.floor }
+        Siblings { clusters: self.pair(first).map(|node| &node.cluster), floor: self.floor }
     }
 
     /// Probabilities of two siblings.

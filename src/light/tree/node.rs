@@ -8,21 +8,35 @@ use super::cluster::Cluster;
 use crate::math::columns::columns;
 use crate::math::kernel::Kernel;
 
-/// A cluster in f32: the cost of a choice is that of reading nodes, and every rounding makes the cluster larger.
+/// A cluster and what is below it.
 #[derive(Clone, Copy)]
 pub struct LightTreeNode {
-    /// Sphere around the bounds.
-    middle: Vec3,
-    radius: f32,
-    axis: Vec3,
-    cos_normals: f32,
-    sin_normals: f32,
-    cos_emission: f32,
-    /// Relative to the brightest emitter's, positive.
-    power: f32,
+    /// The cluster.
+    pub cluster: NarrowCluster,
     /// Emitters below it.
     pub subtree: Subtree,
-    both_sides: bool,
+}
+
+columns! {
+    /// A cluster in f32: the cost of a choice is that of reading nodes, and every rounding makes the cluster larger.
+    pub struct NarrowCluster => NarrowClusterBlock {
+        /// Middle of a sphere around the bounds, relative to the tree's origin.
+        middle: Vec3,
+        /// Radius of that sphere.
+        radius: f32,
+        /// Axis of the cone of normals, unit.
+        axis: Vec3,
+        /// Cosine of its half-angle.
+        cos_normals: f32,
+        /// Sine of its half-angle.
+        sin_normals: f32,
+        /// Cosine of the largest angle to a normal at which light leaves.
+        cos_emission: f32,
+        /// Relative to the brightest emitter's, positive.
+        power: f32,
+        /// True if backs emit, too.
+        both_sides: bool,
+    }
 }
 
 /// Emitters below a node.
@@ -56,10 +70,19 @@ columns! {
     }
 }
 
+impl Chances {
+    /// Those of siblings by their importance.
+    #[inline(always)]
+    fn of(left: f64, right: f64) -> Self {
+        let sum = left + right;
+        Self { left: left / sum, right: right / sum }
+    }
+}
+
 /// Two siblings, as the kernel of the choice between them.
 pub struct Siblings<'a> {
-    /// The nodes.
-    pub nodes: [&'a LightTreeNode; 2],
+    /// The clusters.
+    pub clusters: [&'a NarrowCluster; 2],
     /// Least factor of each orientation.
     pub floor: f64,
 }
@@ -72,10 +95,41 @@ impl Kernel for Siblings<'_> {
     #[inline(always)]
     fn run(&self, receiver: &LocalReceiver, (): &()) -> Chances {
         // Written out: a closure over both would be called, and lanes would not run side by side.
-        let [left, right] = self.nodes;
-        let (left, right) = (left.importance(receiver, self.floor), right.importance(receiver, self.floor));
-        let sum = left + right;
-        Chances { left: left / sum, right: right / sum }
+        let [left, right] = self.clusters;
+        Chances::of(left.importance(receiver, self.floor), right.importance(receiver, self.floor))
+    }
+}
+
+columns! {
+    /// Importance of a cluster for a receiver.
+    pub struct Importance => ImportanceBlock {
+        /// Finite and at least 0.
+        value: f64,
+    }
+}
+
+impl Importance {
+    /// Chances of siblings of these importances.
+    #[inline(always)]
+    pub fn chances([left, right]: [Importance; 2]) -> Chances {
+        Chances::of(left.value, right.value)
+    }
+}
+
+/// Kernel that finds the importance of a cluster for a receiver.
+pub struct Weighing {
+    /// Least factor of each orientation.
+    pub floor: f64,
+}
+
+impl Kernel for Weighing {
+    type A = LocalReceiver;
+    type B = NarrowCluster;
+    type Out = Importance;
+
+    #[inline(always)]
+    fn run(&self, receiver: &LocalReceiver, cluster: &NarrowCluster) -> Importance {
+        Importance { value: cluster.importance(receiver, self.floor) }
     }
 }
 
@@ -88,9 +142,9 @@ const NEAREST: f64 = 1.0 / 3.0;
 /// Squared distances below this are taken for it, so that the importance of a point stays finite at the point.
 const SMALLEST_SQUARE: f64 = 1e-60;
 
-impl LightTreeNode {
-    /// The node of a cluster, relative to the middle of everything.
-    pub fn new(cluster: &Cluster, origin: DVec3, subtree: Subtree) -> Self {
+impl NarrowCluster {
+    /// A cluster relative to the middle of everything.
+    pub fn new(cluster: &Cluster, origin: DVec3) -> Self {
         let &Cluster { min, max, power, cone } = cluster;
         let exact = 0.5 * min + 0.5 * max - origin;
         let middle = exact.as_vec3();
@@ -104,7 +158,6 @@ impl LightTreeNode {
             sin_normals: (1.0 - cos_normals * cos_normals).sqrt(),
             cos_emission: down(libm::cos(cone.emission)),
             power: (power as f32).max(f32::MIN_POSITIVE),
-            subtree,
             both_sides: cone.both_sides,
         }
     }

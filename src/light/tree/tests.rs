@@ -2,6 +2,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
 use super::*;
+use crate::math::columns::Columns;
 
 fn build(emissions: &[Emission], floor: f64) -> Tree {
     Tree::build(emissions.len() as u32, |emitter| emissions[emitter as usize], floor)
@@ -203,6 +204,25 @@ fn emitters_are_chosen_as_often_as_their_probabilities_say_and_the_rest_of_u_is_
                     );
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn many_receivers_choose_together_what_each_chooses_alone() {
+    let mut random = Random::new(23);
+    let (mut descents, mut found) = (Descents::default(), Vec::new());
+    for count in [0, 1, 2, 3, 40, 500] {
+        let tree = build(&emissions(&cloud(&mut random, count, 0.3)), 0.0);
+        for asked in [1, 5, 8, 30] {
+            let places: Vec<_> = (0..asked).map(|_| (2.0 * random.point(), random.normal())).collect();
+            let numbers: Vec<_> = (0..asked).map(|_| (random.unit() < 0.8).then(|| random.unit())).collect();
+            let mut receivers = Columns::default();
+            receivers.gather(asked, |lane| tree.receiver(places[lane].0, places[lane].1));
+            tree.sample_all(&receivers, &numbers, &mut descents, &mut found);
+            let alone = |(u, (x, normal)): (&Option<f64>, &_)| tree.sample(*x, *normal, (*u)?);
+            let alone: Vec<_> = numbers.iter().zip(&places).map(alone).collect();
+            assert_eq!(found, alone, "{count} emitters");
         }
     }
 }

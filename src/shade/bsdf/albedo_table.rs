@@ -15,7 +15,7 @@ pub struct AlbedoTable<const N: usize> {
 
 impl<const N: usize> AlbedoTable<N> {
     /// The table of a function of μ > 0 and the roughness.
-    pub fn new(function: impl Fn(f64, f64) -> [f64; N]) -> Self {
+    pub fn new(mut function: impl FnMut(f64, f64) -> [f64; N]) -> Self {
         let node = |index: usize| (index as f64 - 1.0) / (NODES - 1) as f64;
         let inner = |index: usize| (1..=NODES).contains(&index);
         let mut values = vec![[0f32; N]; PADDED * PADDED];

@@ -6,6 +6,8 @@ use glam::{DVec3, Vec3};
 
 use super::albedo_table::AlbedoTable;
 use super::ggx::Ggx;
+use crate::math::columns::{Columns, columns};
+use crate::math::kernel::{Kernel, NOTHING, map};
 use crate::math::quadrature::gauss_legendre;
 
 /// F₀ + (F₉₀ − F₀)(1 − cos)⁵.
@@ -59,13 +61,14 @@ fn fifth_power(x: f64) -> f64 {
     x2 * x2 * x
 }
 
-/// Directional albedo of GGX microfacets, light that is scattered once.
-#[derive(Clone, Copy, Debug)]
-pub struct GgxAlbedo {
-    /// Of such that reflect everything.
-    pub whole: f64,
-    /// Of such that reflect (1 − cos)⁵.
-    pub grazing: f64,
+columns! {
+    /// Directional albedo of GGX microfacets, light that is scattered once.
+    pub struct GgxAlbedo => GgxAlbedoBlock {
+        /// Of such that reflect everything.
+        whole: f64,
+        /// Of such that reflect (1 − cos)⁵.
+        grazing: f64,
+    }
 }
 
 /// Quadrature nodes by radius and, for half of a turn, by azimuth.
@@ -76,26 +79,61 @@ static GGX: LazyLock<AlbedoTable<2>> = LazyLock::new(|| {
     let unit = |(x, weight): &(f64, f64)| (0.5 + 0.5 * x, 0.5 * weight);
     let [radial, azimuthal] =
         [RADIAL, AZIMUTHAL].map(|count| gauss_legendre(count).iter().map(unit).collect::<Vec<_>>());
+    let nodes: Vec<QuadratureNode> = radial
+        .iter()
+        .flat_map(|&(v, weight_v)| azimuthal.iter().map(move |&(u, weight_u)| (u, v, weight_u * weight_v)))
+        .map(|(u, v, weight)| QuadratureNode { u: 0.5 * u, v, weight })
+        .collect();
+    let lanes = nodes.len();
+    let (mut columns, mut shares) = (Columns::default(), Columns::<GgxAlbedo>::default());
+    columns.gather(lanes, |lane| nodes[lane]);
+    shares.resize(lanes);
     AlbedoTable::new(|mu, roughness| {
         // At the ends, limits.
         let mu = mu.max(1e-6);
         let wi = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);
-        let ggx = Ggx::unbounded((roughness * roughness).max(1e-9));
-        let mut sum = [0.0; 2];
-        for (v, weight_v) in &radial {
-            for (u, weight_u) in &azimuthal {
-                let h = ggx.sample_visible(wi, 0.5 * u, *v);
-                let cos = wi.dot(h);
-                let wo = 2.0 * cos * h - wi;
-                if wo.z > 0.0 {
-                    let share = weight_v * weight_u * ggx.unshadowed(wi, wo);
-                    sum = [sum[0] + share, sum[1] + share * fifth_power(1.0 - cos)];
-                }
-            }
-        }
-        sum
+        let reflections = Reflections { wi, ggx: Ggx::unbounded((roughness * roughness).max(1e-9)) };
+        map(&reflections, columns.blocks(lanes), NOTHING, shares.blocks_mut(lanes));
+        (0..lanes)
+            .map(|lane| shares.get(lane))
+            .fold([0.0; 2], |[whole, grazing], share| [whole + share.whole, grazing + share.grazing])
     })
 });
+
+columns! {
+    /// Node of a quadrature over the unit square.
+    pub struct QuadratureNode => QuadratureNodeBlock {
+        /// First coordinate.
+        u: f64,
+        /// Second coordinate.
+        v: f64,
+        /// Weight.
+        weight: f64,
+    }
+}
+
+/// Kernel that reflects light from `wi` at the facet of a node: the node's shares of the albedos.
+struct Reflections {
+    wi: DVec3,
+    ggx: Ggx,
+}
+
+impl Kernel for Reflections {
+    type A = QuadratureNode;
+    type B = ();
+    type Out = GgxAlbedo;
+
+    #[inline(always)]
+    fn run(&self, &QuadratureNode { u, v, weight }: &QuadratureNode, (): &()) -> GgxAlbedo {
+        let Self { wi, ggx } = *self;
+        let h = ggx.sample_visible(wi, u, v);
+        let cos = wi.dot(h);
+        let wo = 2.0 * cos * h - wi;
+        let share = weight * ggx.unshadowed(wi, wo);
+        let whole = if wo.z > 0.0 { share } else { 0.0 };
+        GgxAlbedo { whole, grazing: whole * fifth_power(1.0 - cos) }
+    }
+}
 
 impl GgxAlbedo {
     /// Albedo for light at a cosine to the normal, to within 1.2e-3, and 1e-3 above μ = 0.01. Of anisotropic microfacets it is an upper bound, the

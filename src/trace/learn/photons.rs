@@ -159,7 +159,8 @@ impl Shower<'_> {
             }
         }
         let mut meeting = meet(self.scene, landing, media);
-        let varied = look_up(self.scene, landing, Footprint::default(), &mut meeting);
+        let mut varied = None;
+        look_up(self.scene, landing, Footprint::default(), &mut meeting, &mut varied);
         let material = varied.as_ref().unwrap_or(meeting.material(self.scene));
         let incidence = meeting.incidence(landing.direction);
         path.add(meeting.surface.surface.entity);

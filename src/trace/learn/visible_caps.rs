@@ -76,7 +76,8 @@ fn lamps_met<T: Transport>(job: &Job, transport: &T, work: &Work, pixel: u32) ->
             follow(transport, &scene.geometry, &start, &job.halt, |_, _, _, _| {});
         let Outcome::Landed(landing) = end else { return met };
         let mut meeting = meet(scene, &landing, path.media);
-        let varied = look_up(scene, &landing, Footprint::default(), &mut meeting);
+        let mut varied = None;
+        look_up(scene, &landing, Footprint::default(), &mut meeting, &mut varied);
         let material = varied.as_ref().unwrap_or(meeting.material(scene));
         if material.emits() {
             met.push((meeting.primitive, meeting.surface.normal));

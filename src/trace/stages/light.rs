@@ -164,7 +164,8 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
     }
     if let Some(source) = LightSource::reached(vertex) {
         let mut meeting = meet(job.scene, landing, vertex.media);
-        let varied = look_up(job.scene, landing, Footprint::default(), &mut meeting);
+        let mut varied = None;
+        look_up(job.scene, landing, Footprint::default(), &mut meeting, &mut varied);
         let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
         deposit(path, source, || vertex.brings * material.emission);
     }
@@ -174,7 +175,8 @@ pub fn land(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) 
 /// Takes a light ray through a mirror or glass, and adds what emits behind the first of them.
 fn through_specular(job: &Job, path: &mut Path, vertex: &mut Vertex, landing: &Landing) -> Option<DVec3> {
     let mut meeting = meet(job.scene, landing, vertex.media);
-    let varied = look_up(job.scene, landing, Footprint::default(), &mut meeting);
+    let mut varied = None;
+    look_up(job.scene, landing, Footprint::default(), &mut meeting, &mut varied);
     let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
     let front = landing.direction.dot(meeting.surface.normal) < 0.0;
     if vertex.after_specular && (front || material.emits_both_sides) {

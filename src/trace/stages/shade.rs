@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::super::illumination::GuidedSampling;
 use super::super::job::Job;
 use super::super::path::{Gathers, Path};
 use super::super::ray_cone::RayCone;
@@ -16,7 +17,7 @@ use super::look_up::look_up;
 use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
-use crate::light::{LightQuery, LightSample, Receiver, Sampling, Target};
+use crate::light::{LightQuery, LightSample, Receiver, Target};
 use crate::shade::{Bounce, Footprint, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
@@ -53,7 +54,7 @@ pub struct Shading {
     /// Those that are scattered at, with their places among all, and those of their queries for light.
     arrivals: Vec<(usize, ScatterPoint, Option<usize>)>,
     queries: Vec<LightQuery>,
-    sampling: Sampling,
+    sampling: GuidedSampling,
     lights: Vec<Option<LightSample>>,
     hits: SortedHits,
 }
@@ -138,7 +139,7 @@ fn arrive<'a>(
             Some(_) => cone.footprint(width, landing.direction.dot(meeting.surface.normal)),
             None => Footprint::default(),
         };
-        *varied = look_up(job.scene, landing, footprint, &mut meeting);
+        look_up(job.scene, landing, footprint, &mut meeting, varied);
     }
     let material = varied.as_ref().unwrap_or(meeting.material(job.scene));
     record_hit(path, landing, &meeting, material, samples);
