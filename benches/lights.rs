@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Emission, Lensed, LightSampler, Lights, Receiver, StraightAim, Tree};
+use warpfront::light::{Emission, Lensed, LightSampler, Lights, LitSide, Receiver, StraightAim, Tree};
 use warpfront::scene::{self, Baked};
 use warpfront::spacetime::SpacetimeKind;
 use warpfront::trace::transport::Outcome;
@@ -56,12 +56,16 @@ fn count(bencher: Bencher, find: impl Fn(&Tree, DVec3, DVec3, f64) -> f64) {
 
 #[divan::bench]
 fn sample(bencher: Bencher) {
-    count(bencher, |tree, x, normal, u| tree.sample(x, Some(normal), u).map_or(0.0, |chosen| chosen.1));
+    count(bencher, |tree, x, normal, u| {
+        tree.sample(x, Some(LitSide::flat(normal)), u).map_or(0.0, |chosen| chosen.1)
+    });
 }
 
 #[divan::bench]
 fn probability(bencher: Bencher) {
-    count(bencher, |tree, x, normal, u| tree.probability((u * f64::from(EMITTERS)) as u32, x, Some(normal)));
+    count(bencher, |tree, x, normal, u| {
+        tree.probability((u * f64::from(EMITTERS)) as u32, x, Some(LitSide::flat(normal)))
+    });
 }
 
 /// The scene whose lamp is proposed.
@@ -102,7 +106,8 @@ fn propose<S: LightSampler>(bencher: Bencher, sampler: impl FnOnce(SpacetimeKind
     let numbers: Vec<[f64; 2]> = places.iter().map(|_| random.random()).collect();
     bencher.counter(ItemsCount::new(places.len())).bench_local(|| {
         for (&(position, normal, on), &u) in places.iter().zip(&numbers) {
-            let receiver = Receiver { position: black_box(position), normal, both_sides: false, on };
+            let receiver =
+                Receiver { position: black_box(position), normal, grazing: 0.0, both_sides: false, on };
             black_box(sampler.sample(&lights, &receiver, u));
         }
     });

@@ -20,6 +20,11 @@ pub struct MeshPoint<'a> {
 }
 
 impl MeshPoint<'_> {
+    /// The point of the same triangle with other barycentric coordinates.
+    pub fn moved(&self, weights: [f64; 3]) -> Self {
+        Self { weights, ..*self }
+    }
+
     /// Texture coordinates of a set, if there are any.
     pub fn uv(&self, set: usize) -> Option<DVec2> {
         let set = self.mesh.attributes.uvs.get(set).filter(|set| !set.is_empty())?;

@@ -43,4 +43,4 @@ pub use regions::Regions;
 pub use sample::{EmitterHit, Incoming, LightQuery, LightRayEnd, LightSample, Target};
 pub use sampler::{LightSampler, Sampling};
 pub use sky::{Sky, SkySample};
-pub use tree::{Emission, Tree};
+pub use tree::{Emission, LitSide, Tree};

@@ -8,6 +8,7 @@ pub(crate) mod concentric;
 pub mod cross_exact;
 pub mod dual;
 pub(crate) mod fast_log2;
+pub(crate) mod floor;
 pub mod frame;
 pub(crate) mod half_turn;
 pub(crate) mod kernel;

@@ -27,7 +27,8 @@ pub type Text = Spanned<String>;
 pub struct SceneFile {
     /// `[spacetime]`; flat if absent.
     pub spacetime: Option<Spanned<SpacetimeTable>>,
-    /// `[camera]`; if absent, the first camera of a glTF file, else one that frames everything.
+    /// `[camera]`; if absent, the first camera of a glTF file, else one that frames everything. Without `position` it
+    /// changes that of the glTF file.
     pub camera: Option<Spanned<CameraTable>>,
     /// `[film]`.
     #[serde(default)]
@@ -189,8 +190,8 @@ impl<'de> Visitor<'de> for SpacetimeKeys {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraTable {
-    /// Pinhole, or middle of the lens or the picture plane.
-    pub position: Vector,
+    /// Pinhole, or middle of the lens or the picture plane; that of a glTF file's camera if absent.
+    pub position: Option<Vector>,
     /// Point in the middle of the image (in flat space).
     pub look_at: Option<Vector>,
     /// View direction, instead of `look_at`.
@@ -216,7 +217,7 @@ pub struct CameraTable {
     /// Distance at which rays start; 0 if absent.
     pub near: Option<Number>,
     /// Side of a wormhole that it is on; near if absent.
-    pub side: Option<SideName>,
+    pub side: Option<Spanned<SideName>>,
 }
 
 /// `camera.projection`.

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use glam::DVec3;
+use toml::Spanned;
 
 use super::check;
+use super::components::CameraLens;
 use super::error::Fault;
 use super::file::{CameraTable, ProjectionName};
 use super::projection::{Fisheye, Orthographic, Perspective, Projection, ThinLens};
@@ -14,16 +16,32 @@ const DEFAULT_FOV: f64 = 180.0;
 /// Greatest radius of a lens relative to the distance in focus: far beyond all lenses, and directions stay exact.
 const STEEPEST: f64 = 1e6;
 
-/// Checks the projection of a camera and reads it; warns of keys that it does not have.
+/// The lens of a model's camera with what a scene file changes about it.
+pub(super) fn changed(
+    lens: CameraLens,
+    table: &Spanned<CameraTable>,
+    warnings: &mut Vec<String>,
+) -> Result<CameraLens, Fault> {
+    let (span, table) = (table.span(), table.get_ref());
+    let near = table.near.as_ref().map_or(Ok(lens.near), |near| check::non_negative(near, "near"))?;
+    let projection = projection(table, &span, Some(&lens.projection), warnings)?;
+    let aspect =
+        if projection.name() == lens.projection.name() { lens.aspect } else { projection.own_aspect() };
+    Ok(CameraLens { projection, near, aspect })
+}
+
+/// Checks the projection of a camera and reads it; warns of keys that it does not have. What is not given is that of the
+/// projection that is changed, if there is one.
 pub(super) fn projection(
     table: &CameraTable,
     span: &Range<usize>,
+    changed: Option<&Projection>,
     warnings: &mut Vec<String>,
 ) -> Result<Projection, Fault> {
-    let name = table.projection.unwrap_or_default();
+    let name = table.projection.or_else(|| changed.map(name_of)).unwrap_or_default();
     let projection = match name {
-        ProjectionName::Perspective => Projection::Perspective(perspective(table, span)?),
-        ProjectionName::Orthographic => Projection::Orthographic(orthographic(table, span)?),
+        ProjectionName::Perspective => Projection::Perspective(perspective(table, span, changed)?),
+        ProjectionName::Orthographic => Projection::Orthographic(orthographic(table, span, changed)?),
         ProjectionName::Equirectangular => Projection::Equirectangular,
         ProjectionName::Fisheye => Projection::Fisheye(fisheye(table)?),
     };
@@ -43,25 +61,42 @@ pub(super) fn projection(
     Ok(projection)
 }
 
-fn perspective(table: &CameraTable, span: &Range<usize>) -> Result<Perspective, Fault> {
-    let vertical_fov = table.vertical_fov.as_ref().ok_or_else(|| {
-        Fault::at(
-            span.clone(),
-            "a perspective camera needs `vertical_fov`",
-            "add `vertical_fov = 40`, in degrees, or another `projection`",
-        )
-    })?;
-    let unusable = || Fault::at(vertical_fov.span(), "no ray can be so steep", "write a usual vertical_fov");
-    let degrees = check::between(vertical_fov, 0.0, 180.0, "vertical_fov")?;
-    let pinhole = Perspective::new(degrees.to_radians()).ok_or_else(unusable)?;
+fn name_of(projection: &Projection) -> ProjectionName {
+    match projection {
+        Projection::Perspective(_) => ProjectionName::Perspective,
+        Projection::Orthographic(_) => ProjectionName::Orthographic,
+        Projection::Equirectangular => ProjectionName::Equirectangular,
+        Projection::Fisheye(_) => ProjectionName::Fisheye,
+    }
+}
+
+fn perspective(
+    table: &CameraTable,
+    span: &Range<usize>,
+    changed: Option<&Projection>,
+) -> Result<Perspective, Fault> {
+    let pinhole = match (&table.vertical_fov, changed) {
+        (Some(vertical_fov), _) => {
+            let degrees = check::between(vertical_fov, 0.0, 180.0, "vertical_fov")?;
+            Perspective::new(degrees.to_radians()).ok_or_else(|| {
+                Fault::at(vertical_fov.span(), "no ray can be so steep", "write a usual vertical_fov")
+            })?
+        }
+        (None, Some(Projection::Perspective(changed))) => *changed,
+        (None, _) => {
+            let problem = "a perspective camera needs `vertical_fov`";
+            let help = "add `vertical_fov = 40`, in degrees, or another `projection`";
+            return Err(Fault::at(span.clone(), problem, help));
+        }
+    };
     Ok(Perspective { lens: lens(table)?, ..pinhole })
 }
 
 fn lens(table: &CameraTable) -> Result<Option<ThinLens>, Fault> {
     let focus_distance = match &table.focus_distance {
         Some(distance) => Some(check::positive(distance, "focus_distance")?),
-        None => table.look_at.as_ref().map(|target| {
-            let [to, from] = [target, &table.position].map(|point| DVec3::from(*point.get_ref()));
+        None => table.look_at.as_ref().zip(table.position.as_ref()).map(|(target, position)| {
+            let [to, from] = [target, position].map(|point| DVec3::from(*point.get_ref()));
             to.distance(from)
         }),
     };
@@ -84,7 +119,7 @@ fn lens(table: &CameraTable) -> Result<Option<ThinLens>, Fault> {
         Fault::at(
             aperture.span(),
             "a lens needs the distance that is in focus",
-            "add `focus_distance = ...`, in scene units, or `look_at` instead of `direction`",
+            "add `focus_distance = ...`, in scene units, or `position` and `look_at`",
         )
     })?;
     if radius > STEEPEST * focus_distance {
@@ -95,15 +130,20 @@ fn lens(table: &CameraTable) -> Result<Option<ThinLens>, Fault> {
     Ok(Some(ThinLens { radius, focus_distance, blades, rotation: degrees.to_radians() }))
 }
 
-fn orthographic(table: &CameraTable, span: &Range<usize>) -> Result<Orthographic, Fault> {
-    let height = table.height.as_ref().ok_or_else(|| {
-        Fault::at(
-            span.clone(),
-            "an orthographic camera needs `height`",
-            "add `height = ...`: that of what it sees, in scene units",
-        )
-    })?;
-    Ok(Orthographic { half_height: 0.5 * check::positive(height, "height")? })
+fn orthographic(
+    table: &CameraTable,
+    span: &Range<usize>,
+    changed: Option<&Projection>,
+) -> Result<Orthographic, Fault> {
+    match (&table.height, changed) {
+        (Some(height), _) => Ok(Orthographic { half_height: 0.5 * check::positive(height, "height")? }),
+        (None, Some(Projection::Orthographic(changed))) => Ok(*changed),
+        (None, _) => {
+            let problem = "an orthographic camera needs `height`";
+            let help = "add `height = ...`: that of what it sees, in scene units";
+            Err(Fault::at(span.clone(), problem, help))
+        }
+    }
 }
 
 fn fisheye(table: &CameraTable) -> Result<Fisheye, Fault> {

@@ -13,7 +13,7 @@ use super::components::{CameraLens, DiskShape, LightShape, MaterialHandle, Spher
 use super::error::{Fault, suggestion};
 use super::file::{
     CameraTable, DiskTable, EntityTable, EnvironmentTable, FilmTable, RenderTable, Rotation, SceneFile,
-    SkyName, SpacetimeTable, SphereTable, Text, TransformTable,
+    SkyName, SpacetimeTable, SphereTable, Text, TransformTable, Vector,
 };
 use super::foreign;
 use super::light::light;
@@ -76,13 +76,21 @@ pub(super) fn populate(file: SceneFile, source: &AssetSource) -> Result<World, F
     world.warnings = warnings;
     world.has_own_spacetime = file.spacetime.is_some();
     world.has_own_size = file.film.width.is_some() || file.film.height.is_some();
-    if let Some(table) = file.camera {
-        let (placement, lens) = camera(&table, &mut world.warnings)?;
+    if let Some(table) = &file.camera
+        && let Some(position) = &table.get_ref().position
+    {
+        let (placement, lens) = camera(table, position, &mut world.warnings)?;
         let entity = world.spawn_authored(table.span(), Some("camera".to_owned()), placement);
         // The entity was spawned on the line above, so inserting cannot fail.
         let _ = world.entities.insert_one(entity, lens);
-        world.put(entity, table.get_ref().side.map_or(Side::Near, Side::from));
+        world.put(
+            entity,
+            table.get_ref().side.as_ref().map_or(Side::Near, |side| Side::from(*side.get_ref())),
+        );
         world.camera = Some(entity);
+    } else if let Some(table) = file.camera {
+        check_changes(table.get_ref())?;
+        world.camera_changes = Some(table);
     }
     let mut names = HashMap::new();
     for table in &file.material {
@@ -319,9 +327,13 @@ fn samples(count: Option<&Spanned<u64>>, default: u32) -> Result<u32, Fault> {
     })
 }
 
-fn camera(table: &Spanned<CameraTable>, warnings: &mut Vec<String>) -> Result<(DAffine3, CameraLens), Fault> {
+fn camera(
+    table: &Spanned<CameraTable>,
+    position: &Vector,
+    warnings: &mut Vec<String>,
+) -> Result<(DAffine3, CameraLens), Fault> {
     let (span, table) = (table.span(), table.get_ref());
-    let position = check::finite_vector(&table.position, "position")?;
+    let position = check::finite_vector(position, "position")?;
     let forward = match (&table.look_at, &table.direction) {
         (Some(target), None) => {
             let offset = check::finite_vector(target, "look_at")? - position;
@@ -342,7 +354,7 @@ fn camera(table: &Spanned<CameraTable>, warnings: &mut Vec<String>) -> Result<(D
     };
     let up = table.up.as_ref().map_or(Ok(DVec3::Y), |up| check::direction(up, "up"))?;
     let near = table.near.as_ref().map_or(Ok(0.0), |near| check::non_negative(near, "near"))?;
-    let projection = projection(table, &span, warnings)?;
+    let projection = projection(table, &span, None, warnings)?;
     let basis = Camera::with(projection, position, forward, up, near).ok_or_else(|| {
         let help = "choose an `up` that is not parallel to the view direction";
         Fault::at(span, "the camera looks along its own `up`", help)
@@ -350,6 +362,20 @@ fn camera(table: &Spanned<CameraTable>, warnings: &mut Vec<String>) -> Result<(D
     let axes = DMat3::from_cols(basis.right, basis.up, -basis.forward);
     let lens = CameraLens { projection, near, aspect: projection.own_aspect() };
     Ok((DAffine3::from_mat3_translation(axes, position), lens))
+}
+
+/// Fails if keys that go with `position` are given to change a camera.
+fn check_changes(table: &CameraTable) -> Result<(), Fault> {
+    let vector = |key, vector: &Option<Vector>| Some((key, vector.as_ref()?.span()));
+    let placing = vector("look_at", &table.look_at)
+        .or_else(|| vector("direction", &table.direction))
+        .or_else(|| vector("up", &table.up))
+        .or_else(|| Some(("side", table.side.as_ref()?.span())));
+    placing.map_or(Ok(()), |(key, span)| {
+        let help =
+            "add `position = [x, y, z]`; without it, [camera] changes the lens of a glTF file's camera";
+        Err(Fault::at(span, format!("`{key}` needs `position`"), help))
+    })
 }
 
 fn spawn(

@@ -9,6 +9,7 @@ use super::components::{
     CameraLens, DiskShape, LightShape, LocalTransform, Parent, SphereShape, WorldTransform,
 };
 use super::error::Fault;
+use super::optics::changed;
 use super::world::World;
 use crate::geometry::{Disk, Mesh, Primitives, Sphere};
 use crate::light::Punctual;
@@ -205,9 +206,14 @@ pub(super) fn camera(
         Some(wanted) => find_camera(&names, wanted)?,
         None => 0,
     };
+    let changes = world.camera_changes.take();
     let (Some((entity, to_world, lens)), Some(name)) = (found.get(index).copied(), names.get(index)) else {
-        return Ok(None);
+        return changes.map_or(Ok(None), |table| {
+            let problem = "no glTF file brings a camera that this could change";
+            Err(Fault::at(table.span(), problem, "add `position` and `look_at`"))
+        });
     };
+    let lens = changes.map_or(Ok(lens), |table| changed(lens, &table, &mut world.warnings))?;
     if wanted.is_none() && world.camera.is_none() {
         let used = format!("camera `{name}` is used, the first; --camera NAME takes another; ignored");
         world.warn_of_names(&used, names.get(1..).unwrap_or_default());

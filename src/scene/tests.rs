@@ -316,6 +316,34 @@ fn orthographic_cameras_of_files_go_by_name_and_shape() {
 }
 
 #[test]
+fn a_camera_without_position_changes_the_lens_of_the_files_own() {
+    let nodes = serde_json::json!([{ "mesh": 0 }, { "camera": 0, "name": "Eye", "translation": [0, 0, 5] }]);
+    let with = |overrides: &[&str]| {
+        let overrides = overrides.iter().map(|text| (*text).to_owned()).collect();
+        load_model(nodes.clone(), &LoadOptions { overrides, ..LoadOptions::default() })
+    };
+    let lens = with(&["camera.aperture=0.1", "camera.focus_distance=4", "camera.near=0.5"]).unwrap();
+    let Projection::Perspective(Perspective { tan_half_fov, lens: Some(thin) }) = lens.camera.projection
+    else {
+        panic!("{:?}", lens.camera)
+    };
+    assert!((tan_half_fov - libm::tan(std::f64::consts::FRAC_PI_6)).abs() < 1e-7, "{tan_half_fov}");
+    assert_eq!((thin.radius, thin.focus_distance, lens.camera.near), (0.1, 4.0, 0.5));
+    assert_eq!((lens.camera.position.z, lens.settings.width), (5.0, 240));
+    let dome = with(&["camera.projection=fisheye"]).unwrap();
+    assert_eq!((dome.camera.position.z, dome.settings.width), (5.0, 480));
+    for (change, expected) in [
+        ("camera.aperture=0.1", "a lens needs the distance that is in focus"),
+        ("camera.look_at=[0,0,0]", "`look_at` needs `position`"),
+        ("camera.side=far", "`side` needs `position`"),
+        ("camera.projection=orthographic", "an orthographic camera needs `height`"),
+    ] {
+        let message = with(&[change]).err().unwrap().to_string();
+        assert!(message.contains(expected), "{change}: {message}");
+    }
+}
+
+#[test]
 fn keys_of_other_projections_are_said_and_pictures_all_around_have_their_shape() {
     let of = |keys: &str| {
         let text =

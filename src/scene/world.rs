@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 use hecs::Entity;
+use toml::Spanned;
 
 use super::Settings;
 use super::components::{
@@ -13,6 +14,7 @@ use super::components::{
     Name, OnFarSide, Parent,
 };
 use super::error::Fault;
+use super::file::CameraTable;
 use super::projection::{Orthographic, Perspective, Projection};
 use crate::asset::{AssetError, Files, Model, ModelCamera, ModelNode, ModelView, load_gltf, load_obj};
 use crate::geometry::Mesh;
@@ -39,6 +41,8 @@ pub(super) struct World {
     pub settings: Settings,
     /// The camera written in the scene file itself.
     pub camera: Option<Entity>,
+    /// What the scene file changes about the camera of a model.
+    pub camera_changes: Option<Spanned<CameraTable>>,
     /// True if the scene file or an option says which spacetime there is.
     pub has_own_spacetime: bool,
     /// True if the scene file or an option says how large the picture is.
@@ -94,6 +98,7 @@ impl World {
             far_environment: Environment::Black,
             settings,
             camera: None,
+            camera_changes: None,
             has_own_spacetime: false,
             has_own_size: false,
             guesses_light_scale: false,

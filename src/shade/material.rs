@@ -44,17 +44,10 @@ impl Material {
     /// The material at a point of a mesh, seen in a footprint, by textures numbered as its maps say.
     pub fn at(&self, point: &MeshPoint, footprint: Footprint, textures: &[Texture]) -> Self {
         let maps = &self.maps;
-        let look_in = |width: f64, map: Option<TextureId>| match map {
-            Some(TextureId(id)) => textures[id as usize].at(point, width),
-            None => Vec4::ONE,
-        };
-        let look = |map| look_in(footprint.scattering, map);
-        let (mut base_color, mut emission) =
-            (look(maps.base_color), look_in(footprint.emission, maps.emission));
-        match maps.vertex_colors {
-            VertexColors::Nothing => {}
-            VertexColors::BaseColor => base_color *= point.color(),
-            VertexColors::Emission => emission *= point.color(),
+        let look = |map| look_up(map, point, footprint.scattering, textures);
+        let mut base_color = look(maps.base_color);
+        if maps.vertex_colors == VertexColors::BaseColor {
+            base_color *= point.color();
         }
         let [mr, sheen_roughness] = [maps.metallic_roughness, maps.sheen_roughness].map(look);
         let thickness = |FilmMap { texture, range: [least, most] }: FilmMap| {
@@ -77,7 +70,17 @@ impl Material {
             anisotropy: anisotropy.0,
             tangent: anisotropy.1,
         };
-        Self { lobe: self.lobe.varied(&variation), emission: self.emission * emission.truncate(), ..*self }
+        let emission = self.emission_at(point, footprint.emission, textures);
+        Self { lobe: self.lobe.varied(&variation), emission, ..*self }
+    }
+
+    /// Radiance that is emitted at a point of a mesh, seen in a footprint of a width (scene units).
+    pub fn emission_at(&self, point: &MeshPoint, width: f64, textures: &[Texture]) -> Vec3 {
+        let mut factor = look_up(self.maps.emission, point, width, textures);
+        if self.maps.vertex_colors == VertexColors::Emission {
+            factor *= point.color();
+        }
+        self.emission * factor.truncate()
     }
 
     /// Unit shading normal in the world at a point of a mesh, if a texture tells.
@@ -178,6 +181,11 @@ impl Material {
 /// Share of light that a medium absorbs per length, if that is short: it leaves `colour` after `distance`.
 pub fn attenuation(colour: Vec3, distance: f32) -> Vec3 {
     colour.map(|share| if share < 1.0 { -libm::logf(share.max(f32::MIN_POSITIVE)) / distance } else { 0.0 })
+}
+
+/// Factor on what a map varies at a point of a mesh: 1 without one.
+fn look_up(map: Option<TextureId>, point: &MeshPoint, width: f64, textures: &[Texture]) -> Vec4 {
+    map.map_or(Vec4::ONE, |TextureId(id)| textures[id as usize].at(point, width))
 }
 
 /// Unit normal in the world at a point of a mesh, as a texture tells.

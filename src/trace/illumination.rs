@@ -213,6 +213,7 @@ impl Illumination {
         let receiver = Receiver {
             position: vertex.position,
             normal: vertex.normal,
+            grazing: vertex.grazing,
             both_sides: vertex.both_sides,
             on: vertex.origin_prim,
         };

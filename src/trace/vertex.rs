@@ -13,6 +13,8 @@ pub struct Vertex {
     pub position: DVec3,
     /// Unit normal on the side that the path came from.
     pub normal: DVec3,
+    /// Share of light that comes head-on for which light that grazes it counts.
+    pub grazing: f32,
     /// True if it is lit from behind as well.
     pub both_sides: bool,
     /// The primitive it lies on.

@@ -66,34 +66,32 @@ pub fn texels(bytes: &[u8], encoding: Encoding, memory: &Memory) -> Result<MipIm
     let channels = usize::from(decoded.color().channel_count());
     let raster = if usize::from(decoded.color().bytes_per_pixel()) == channels {
         let table = Box::new(std::array::from_fn(|byte| linear(byte as f32 / f32::from(u8::MAX))));
-        Raster::Encoded(
-            decoded.as_bytes().chunks_exact(channels).map(|t| with_alpha(t, u8::MAX)).collect(),
-            table,
-        )
+        Raster::Encoded(with_alphas(decoded.as_bytes(), channels, u8::MAX), table)
     } else {
         let most = f32::from(u16::MAX);
         let table: Vec<u16> =
             (0..=u16::MAX).map(|v| (linear(f32::from(v) / most) * most).round() as u16).collect();
         let samples: Vec<u16> =
             decoded.as_bytes().as_chunks().0.iter().map(|&sample| u16::from_ne_bytes(sample)).collect();
-        let texel = |texel: &[u16]| {
-            let [r, g, b, alpha] = with_alpha(texel, u16::MAX);
+        let texel = |[r, g, b, alpha]: [u16; 4]| {
             let [r, g, b] = [r, g, b].map(|value| table[usize::from(value)]);
             [r, g, b, alpha]
         };
-        Raster::Linear(samples.chunks_exact(channels).map(texel).collect())
+        Raster::Linear(with_alphas(&samples, channels, u16::MAX).into_iter().map(texel).collect())
     };
     Ok(MipImage::new(decoded.width() as usize, decoded.height() as usize, raster))
 }
 
-/// Red, green, blue and opacity of a pixel of one to four samples.
-fn with_alpha<T: Copy>(samples: &[T], opaque: T) -> [T; 4] {
-    match *samples {
-        [grey] => [grey, grey, grey, opaque],
-        [grey, alpha] => [grey, grey, grey, alpha],
-        [r, g, b, alpha] => [r, g, b, alpha],
-        [r, g, b, ..] => [r, g, b, opaque],
-        [] => [opaque; 4],
+/// Red, green, blue and opacity of pixels of one to four samples.
+fn with_alphas<T: Copy>(samples: &[T], channels: usize, opaque: T) -> Vec<[T; 4]> {
+    fn each<T: Copy, const N: usize>(samples: &[T], texel: impl Fn([T; N]) -> [T; 4]) -> Vec<[T; 4]> {
+        samples.as_chunks().0.iter().map(|pixel| texel(*pixel)).collect()
+    }
+    match channels {
+        1 => each(samples, |[grey]| [grey, grey, grey, opaque]),
+        2 => each(samples, |[grey, alpha]| [grey, grey, grey, alpha]),
+        3 => each(samples, |[r, g, b]| [r, g, b, opaque]),
+        _ => each(samples, |texel| texel),
     }
 }
 

@@ -36,6 +36,8 @@ const LAYERS: [&str; 4] = ["Pr", "Pm", "Ps", "Pc"];
 const LAYER_MAPS: [&str; 2] = ["map_Pr", "map_Pm"];
 /// Shininess (`Ns`) of what Blender says is smooth.
 const SMOOTH: f32 = 1000.0;
+/// Factor on the reflectance that the index tells where a picture of Blender's "IOR Level" is white.
+const LEVEL: Vec3 = Vec3::splat(2.0);
 /// Largest emission, as in scene files.
 const BRIGHTEST: f32 = 1e18;
 
@@ -98,8 +100,13 @@ impl Converter<'_> {
             return Material { lobe: Lobe::Diffuse(Diffuse { albedo }), maps, opacity, ..plain };
         }
         let mut lobe = layered(material, albedo);
+        let specular_color = material.specular_texture.as_deref();
+        let specular_color = specular_color.and_then(|map| self.texture("map_Ks", Encoding::Color, map));
         if self.is_of_blender {
             lobe = as_blender_writes(material, lobe);
+        }
+        if specular_color.is_some() {
+            (lobe.specular, lobe.specular_color) = (1.0, LEVEL);
         }
         let (metallic_roughness, [has_roughness, has_metal]) = self.metallic_roughness(material);
         if has_roughness {
@@ -108,7 +115,7 @@ impl Converter<'_> {
         if has_metal {
             lobe.metallic = 1.0;
         }
-        let maps = Maps { metallic_roughness, ..maps };
+        let maps = Maps { metallic_roughness, specular_color, ..maps };
         Material { lobe: Lobe::Principled(lobe), maps, opacity, ..plain }.with_coat_apart()
     }
 

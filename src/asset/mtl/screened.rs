@@ -61,9 +61,8 @@ impl Screened {
             "Ka" | "Kd" | "Ks" | "Ke" => colour(statement.values()),
             "Ns" | "Ni" | "d" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => first::<f32>(statement.values()),
             "illum" => first::<u8>(statement.values()),
-            "map_Kd" | "map_Ke" | "map_d" | "map_Pr" | "map_Pm" | "map_Bump" | "norm" => {
-                Some(name.to_owned()).filter(|name| !name.is_empty())
-            }
+            "map_Kd" | "map_Ke" | "map_d" | "map_Pr" | "map_Pm" | "map_Bump" | "norm" => picture(name),
+            "map_Ks" if self.is_of_blender => picture(name),
             _ => {
                 if keyword.starts_with("map_") || PICTURES.contains(&keyword) {
                     self.unread.insert(name.to_owned());
@@ -107,6 +106,11 @@ fn colour(values: &str) -> Option<String> {
         [_, _, _] => Some(numbers.join(" ")),
         _ => None,
     }
+}
+
+/// The name of a picture, if there is one.
+fn picture(name: &str) -> Option<String> {
+    Some(name.to_owned()).filter(|name| !name.is_empty())
 }
 
 /// The first word, if it is a number of this type.

@@ -298,9 +298,9 @@ fn a_library_of_blenders_is_principled_all_through() {
 }
 
 #[test]
-fn blender_writes_pictures_of_roughness_and_metal_as_if_of_shininess_and_reflections() {
+fn blender_writes_pictures_of_roughness_metal_and_level_as_if_of_shininess_reflections_and_specular_colour() {
     let text = "# Blender 5.0.1 MTL File: 'None'\nnewmtl tex\nKa 1 1 1\nKs .5 .5 .5\nNi 1.5\nd 1\nillum 2\n\
-                map_Kd tex/e 1.png\nmap_Ns g.png\nmap_refl tex/e 1.png\nmap_Bump -bm 0.7 n.png\n";
+                map_Kd tex/e 1.png\nmap_Ns g.png\nmap_refl tex/e 1.png\nmap_Bump -bm 0.7 n.png\nmap_Ks g.png\n";
     let (mut libraries, warnings) = read_beside_pictures(text.as_bytes());
     let (materials, textures) = libraries.take();
     assert_eq!(warnings, Vec::<String>::new());
@@ -310,7 +310,10 @@ fn blender_writes_pictures_of_roughness_and_metal_as_if_of_shininess_and_reflect
     assert_eq!((lobe.base, lobe.roughness, lobe.metallic), (Vec3::ONE, 1.0, 1.0));
     assert!((texel.y - 0.2).abs() < 1e-4 && texel.z == 1.0, "{texel}");
     assert_eq!(materials[0].maps.normal.map(|map| map.scale), Some(0.7));
+    let TextureId(id) = materials[0].maps.specular_color.expect("a picture");
+    assert_eq!(lobe.specular_color, Vec3::splat(2.0));
+    assert!((textures[id as usize].image.texel(0, [0, 0]).x - 0.0331).abs() < 1e-4, "decoded as a colour");
     // In others these are what they are called, and ignored.
     let (others, warnings) = convert_text(&text.replace("# Blender", "# Maya"));
-    assert!(others[0].maps.metallic_roughness.is_none() && warnings.len() == 2, "{warnings:?}");
+    assert!(others[0].maps.metallic_roughness.is_none() && warnings.len() == 3, "{warnings:?}");
 }

@@ -22,8 +22,8 @@ use glam::DVec3;
 use descent::Descent;
 pub use descent::Descents;
 pub use emission::Emission;
-pub use node::LocalReceiver;
-use node::{Chances, LightTreeNode, Siblings, Subtree};
+use node::{COSINE_ERROR, Chances, LightTreeNode, Siblings, Subtree};
+pub use node::{LitSide, LocalReceiver};
 
 use crate::math::kernel::Kernel;
 
@@ -43,14 +43,13 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Chooses an emitter for light at `x` on the side of a surface to which the unit `normal` points (`None`: no
-    /// surface, or one unknown) by `u` in [0, 1): the emitter's index, its probability, and `u` rescaled to [0, 1) for
-    /// reuse.
+    /// Chooses an emitter for light at `x` on a side of a surface (`None`: no surface, or one unknown) by `u` in [0, 1):
+    /// the emitter's index, its probability, and `u` rescaled to [0, 1) for reuse.
     ///
     /// `None` if nothing can contribute, or nothing in the cluster that was chosen: zero is then an unbiased estimate.
     /// With a positive floor an emitter is always found if there is one.
-    pub fn sample(&self, x: DVec3, normal: Option<DVec3>, u: f64) -> Option<(u32, f64, f64)> {
-        let receiver = self.receiver(x, normal);
+    pub fn sample(&self, x: DVec3, side: Option<LitSide>, u: f64) -> Option<(u32, f64, f64)> {
+        let receiver = self.receiver(x, side);
         let mut descent = Descent::new(self.root?, u);
         loop {
             match descent.end() {
@@ -61,8 +60,8 @@ impl Tree {
     }
 
     /// The probability with which `sample` chooses `emitter`, the same to the last bit; 0 if it is none of the tree's.
-    pub fn probability(&self, emitter: u32, x: DVec3, normal: Option<DVec3>) -> f64 {
-        let receiver = self.receiver(x, normal);
+    pub fn probability(&self, emitter: u32, x: DVec3, side: Option<LitSide>) -> f64 {
+        let receiver = self.receiver(x, side);
         let mut polyline = self.polylines.get(emitter as usize).copied().unwrap_or(0);
         let Some(mut subtree) = self.root.filter(|_| polyline != 0) else { return 0.0 };
         let mut probability = 1.0;
@@ -86,9 +85,12 @@ impl Tree {
 
     /// A receiver at `x`, as the tree looks at it.
     #[inline(always)]
-    pub fn receiver(&self, x: DVec3, normal: Option<DVec3>) -> LocalReceiver {
-        let is_one_sided = normal.is_some();
-        LocalReceiver { x: x - self.origin, normal: normal.unwrap_or(DVec3::ZERO), is_one_sided }
+    pub fn receiver(&self, x: DVec3, side: Option<LitSide>) -> LocalReceiver {
+        let (normal, grazing) = match side {
+            Some(LitSide { normal, grazing }) => (normal, f64::from(grazing).max(COSINE_ERROR)),
+            None => (DVec3::ZERO, 1.0),
+        };
+        LocalReceiver { x: x - self.origin, normal, grazing }
     }
 
     /// Two siblings.

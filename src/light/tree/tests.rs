@@ -106,12 +106,14 @@ fn spark(at: DVec3, power: f64) -> Emission {
 }
 
 fn probabilities(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> Vec<f64> {
-    (0..tree.polylines.len() as u32).map(|emitter| tree.probability(emitter, x, normal)).collect()
+    (0..tree.polylines.len() as u32)
+        .map(|emitter| tree.probability(emitter, x, normal.map(LitSide::flat)))
+        .collect()
 }
 
 /// The probability that the choice ends without an emitter.
 fn loss(tree: &Tree, x: DVec3, normal: Option<DVec3>) -> f64 {
-    let receiver = tree.receiver(x, normal);
+    let receiver = tree.receiver(x, normal.map(LitSide::flat));
     let mut lost = 0.0;
     let mut pending: Vec<(Subtree, f64)> = tree.root.map(|root| (root, 1.0)).into_iter().collect();
     while let Some((subtree, probability)) = pending.pop() {
@@ -153,7 +155,7 @@ fn with_a_floor_or_emitters_that_shine_everywhere_probabilities_sum_to_1() {
             let normal = any.filter(|_| tree.floor > 0.0);
             let sum: f64 = probabilities(&tree, x, normal).iter().sum();
             assert!((sum - 1.0).abs() < 1e-12, "{sum}");
-            assert!(tree.sample(x, normal, random.unit()).is_some());
+            assert!(tree.sample(x, normal.map(LitSide::flat), random.unit()).is_some());
         }
     }
 }
@@ -184,7 +186,9 @@ fn emitters_are_chosen_as_often_as_their_probabilities_say_and_the_rest_of_u_is_
             let mut moments = vec![[0.0; 3]; count];
             for i in 0..DRAWS {
                 let u = (f64::from(i) + 0.5) / f64::from(DRAWS);
-                let Some((emitter, probability, rest)) = tree.sample(x, normal, u) else { continue };
+                let Some((emitter, probability, rest)) = tree.sample(x, normal.map(LitSide::flat), u) else {
+                    continue;
+                };
                 assert_eq!(probability.to_bits(), expected[emitter as usize].to_bits());
                 assert!((0.0..1.0).contains(&rest), "{rest}");
                 let at = &mut moments[emitter as usize];
@@ -215,12 +219,13 @@ fn many_receivers_choose_together_what_each_chooses_alone() {
     for count in [0, 1, 2, 3, 40, 500] {
         let tree = build(&emissions(&cloud(&mut random, count, 0.3)), 0.0);
         for asked in [1, 5, 8, 30] {
-            let places: Vec<_> = (0..asked).map(|_| (2.0 * random.point(), random.normal())).collect();
+            let places: Vec<_> =
+                (0..asked).map(|_| (2.0 * random.point(), random.normal().map(LitSide::flat))).collect();
             let numbers: Vec<_> = (0..asked).map(|_| (random.unit() < 0.8).then(|| random.unit())).collect();
             let mut receivers = Columns::default();
             receivers.gather(asked, |lane| tree.receiver(places[lane].0, places[lane].1));
             tree.sample_all(&receivers, &numbers, &mut descents, &mut found);
-            let alone = |(u, (x, normal)): (&Option<f64>, &_)| tree.sample(*x, *normal, (*u)?);
+            let alone = |(u, (x, side)): (&Option<f64>, &_)| tree.sample(*x, *side, (*u)?);
             let alone: Vec<_> = numbers.iter().zip(&places).map(alone).collect();
             assert_eq!(found, alone, "{count} emitters");
         }
@@ -290,7 +295,7 @@ fn with_a_floor_all_that_have_power_can_be_chosen() {
     all[1].power = 1e-60;
     let tree = build(&all, 0.05);
     for _ in 0..300 {
-        let (x, normal) = (2.0 * random.point(), random.normal());
+        let (x, normal) = (2.0 * random.point(), random.normal().map(LitSide::flat));
         for (emission, probability) in all.iter().zip(probabilities(&tree, x, normal)) {
             assert_eq!(emission.power > 0.0, probability > 0.0);
         }
@@ -307,7 +312,8 @@ fn an_emitter_close_by_is_far_likelier_than_by_its_power() {
     for i in (0..10_000).step_by(100) {
         let [a, b, c] = triangles[i].corners;
         let x = (a + b + c) / 3.0 + 0.01 * all[i].axis;
-        let likelier = tree.probability(i as u32, x, Some(-all[i].axis)) / (all[i].power / total);
+        let likelier =
+            tree.probability(i as u32, x, Some(LitSide::flat(-all[i].axis))) / (all[i].power / total);
         assert!(likelier > 30.0, "{likelier}");
     }
 }
@@ -353,7 +359,7 @@ fn a_single_emitter_is_certain_and_none_is_none() {
     let x = DVec3::new(1e9, -3.0, 0.1);
     let one = build(&[spark(DVec3::ONE, 0.0), spark(DVec3::ZERO, 3.0)], 0.0);
     for at in [x, DVec3::ZERO] {
-        assert_eq!(one.sample(at, Some(DVec3::X), 0.7), Some((1, 1.0, 0.7)));
+        assert_eq!(one.sample(at, Some(LitSide::flat(DVec3::X)), 0.7), Some((1, 1.0, 0.7)));
         assert_eq!(probabilities(&one, at, Some(DVec3::X)), [0.0, 1.0]);
     }
     assert_eq!(one.probability(9, x, None), 0.0);
@@ -421,4 +427,17 @@ fn no_emitter_of_a_hundred_thousand_is_lost_however_deep_cuts_would_go() {
 #[test]
 fn a_node_is_small() {
     assert!(size_of::<LightTreeNode>() <= 64);
+}
+
+#[test]
+fn a_light_that_a_leaning_normal_faces_is_not_rarely_chosen_where_it_grazes_the_surface() {
+    for height in [1e-2, 1e-5, 1e-9] {
+        let tree = build(&[spark(DVec3::Y, 1.0), spark(DVec3::new(1.0, height, 0.0), 1.0)], 0.0);
+        let grazing = |grazing| tree.probability(1, DVec3::ZERO, Some(LitSide { normal: DVec3::Y, grazing }));
+        assert!((grazing(0.0) - height.max(1e-6)).abs() < 0.02 * height.max(1e-6), "{}", grazing(0.0));
+        assert!((grazing(0.25) - 0.2).abs() < 1e-4, "{}", grazing(0.25));
+        assert!((tree.probability(0, DVec3::ZERO, None) - 0.5).abs() < 1e-4);
+    }
+    let below = build(&[spark(DVec3::Y, 1.0), spark(DVec3::new(1.0, -0.01, 0.0), 1.0)], 0.0);
+    assert_eq!(below.probability(1, DVec3::ZERO, Some(LitSide { normal: DVec3::Y, grazing: 0.25 })), 0.0);
 }

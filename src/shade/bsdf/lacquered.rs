@@ -70,6 +70,10 @@ impl Bsdf for Lacquered {
         self.principled.is_specular()
     }
 
+    fn gloss(&self) -> f32 {
+        self.principled.gloss()
+    }
+
     fn transmits(&self) -> bool {
         self.principled.transmits()
     }

@@ -84,6 +84,12 @@ macro_rules! lobes {
                 match self { $(Self::$name(lobe) => lobe.albedo(),)* }
             }
 
+            /// How little light that it scatters goes by the cosine at which it came: [`Bsdf::gloss`].
+            #[inline]
+            pub fn gloss(&self) -> f32 {
+                match self { $(Self::$name(lobe) => lobe.gloss(),)* }
+            }
+
             /// Index of refraction relative to vacuum, if light enters what is beyond.
             pub fn ior(&self) -> Option<f32> {
                 match self { $(Self::$name(lobe) => lobe.ior(),)* }

@@ -35,6 +35,12 @@ pub trait Bsdf: Row + Send + Sync {
     /// True if light from one direction leaves in one or two and no others: next-event estimation cannot choose them.
     fn is_specular(&self) -> bool;
 
+    /// How little light that it scatters goes by the cosine at which it came: 0 as of a Lambertian, 1 as of a metal, whose
+    /// highlights are as bright at any angle.
+    fn gloss(&self) -> f32 {
+        0.0
+    }
+
     /// True if light leaves on the other side as well.
     fn transmits(&self) -> bool {
         self.ior().is_some()

@@ -181,6 +181,10 @@ impl Bsdf for Principled {
         !spreads && !is_coat_rough && self.sheen_color == Vec3::ZERO && self.microfacets().is_none()
     }
 
+    fn gloss(&self) -> f32 {
+        self.metallic
+    }
+
     fn transmits(&self) -> bool {
         self.shares()[2] > 0.0
     }

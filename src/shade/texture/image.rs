@@ -3,6 +3,8 @@
 //! Texels of 8 bits stay so and are decoded as they are read, before anything is filtered. Deeper ones, and mip levels,
 //! are 16 bits of linear light: means of decoded values.
 
+use std::ops::Range;
+
 use glam::Vec4;
 use rayon::prelude::*;
 
@@ -68,6 +70,17 @@ impl MipImage {
         self.levels[level].texel(x, y)
     }
 
+    /// Linear colours and opacities where two columns of a level meet two rows: by row, then by column.
+    #[inline]
+    pub fn texels(&self, level: usize, columns: [usize; 2], rows: [usize; 2]) -> [[Vec4; 2]; 2] {
+        let level = &self.levels[level];
+        let at = rows.map(|y| columns.map(|x| y * level.width + x));
+        match &level.raster {
+            Raster::Encoded(texels, table) => at.map(|row| row.map(|at| decoded(texels[at], table))),
+            Raster::Linear(texels) => at.map(|row| row.map(|at| linear(texels[at]))),
+        }
+    }
+
     /// Heap memory, bytes.
     pub fn memory_bytes(&self) -> usize {
         let bytes = |level: &MipLevel| match &level.raster {
@@ -83,12 +96,8 @@ impl MipLevel {
     fn texel(&self, x: usize, y: usize) -> Vec4 {
         let at = y * self.width + x;
         match &self.raster {
-            Raster::Encoded(texels, table) => {
-                let [r, g, b, a] = texels[at];
-                let decode = |value: u8| table[usize::from(value)];
-                Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / f32::from(u8::MAX))
-            }
-            Raster::Linear(texels) => Vec4::from(texels[at].map(f32::from)) / f32::from(u16::MAX),
+            Raster::Encoded(texels, table) => decoded(texels[at], table),
+            Raster::Linear(texels) => linear(texels[at]),
         }
     }
 
@@ -98,23 +107,56 @@ impl MipLevel {
             return None;
         }
         let [width, height] = [self.width, self.height].map(|size| (size / 2).max(1));
-        let columns: Vec<_> = (0..width).map(|x| covered(x, self.width, width)).collect();
-        let mut texels = vec![[0; 4]; width * height];
-        texels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            let rows = covered(y, self.height, height);
-            for (texel, columns) in row.iter_mut().zip(&columns) {
-                let mut sum = Vec4::ZERO;
-                for (y, of_row) in rows.into_iter().filter(|(_, share)| *share > 0.0) {
-                    for (x, of_column) in columns.iter().filter(|(_, share)| *share > 0.0) {
-                        sum += of_row * of_column * self.texel(*x, y);
-                    }
-                }
-                // Rounded to the nearest.
-                *texel = (sum * f32::from(u16::MAX) + 0.5).to_array().map(|value| value as u16);
+        let texels = match &self.raster {
+            Raster::Encoded(texels, table) => {
+                self.means(width, height, |row| texels[row].iter().map(|texel| decoded(*texel, table)))
             }
-        });
+            Raster::Linear(texels) => {
+                self.means(width, height, |row| texels[row].iter().map(|texel| linear(*texel)))
+            }
+        };
         Some(Self { width, height, raster: Raster::Linear(texels) })
     }
+
+    /// Means over the texels under those of `width` × `height`, of which `row` gives those of a range.
+    fn means<T: Iterator<Item = Vec4>>(
+        &self,
+        width: usize,
+        height: usize,
+        row: impl Fn(Range<usize>) -> T + Sync,
+    ) -> Vec<[u16; 4]> {
+        let columns: Vec<_> = (0..width).map(|x| covered(x, self.width, width)).collect();
+        let mut means = vec![[0; 4]; width * height];
+        means.par_chunks_mut(width).enumerate().for_each_init(
+            || vec![Vec4::ZERO; self.width],
+            |sums, (y, means)| {
+                sums.fill(Vec4::ZERO);
+                for (y, share) in
+                    covered(y, self.height, height).into_iter().filter(|(_, share)| *share > 0.0)
+                {
+                    let texels = row(y * self.width..(y + 1) * self.width);
+                    sums.iter_mut().zip(texels).for_each(|(sum, texel)| *sum += share * texel);
+                }
+                for (mean, columns) in means.iter_mut().zip(&columns) {
+                    let sum: Vec4 = columns.iter().map(|(x, share)| *share * sums[*x]).sum();
+                    // Rounded to the nearest.
+                    *mean = (sum * f32::from(u16::MAX) + 0.5).to_array().map(|value| value as u16);
+                }
+            },
+        );
+        means
+    }
+}
+
+#[inline(always)]
+fn decoded([r, g, b, a]: [u8; 4], table: &[f32; 256]) -> Vec4 {
+    let decode = |value: u8| table[usize::from(value)];
+    Vec4::new(decode(r), decode(g), decode(b), f32::from(a) / f32::from(u8::MAX))
+}
+
+#[inline(always)]
+fn linear(texel: [u16; 4]) -> Vec4 {
+    Vec4::from(texel.map(f32::from)) / f32::from(u16::MAX)
 }
 
 /// Texels under the texel `at` of a row of `coarse`, among those of a row of `fine`, with their shares: at most three,

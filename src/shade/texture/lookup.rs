@@ -9,6 +9,7 @@ use glam::{DVec2, Vec4};
 use super::image::MipImage;
 use crate::geometry::MeshPoint;
 use crate::math::fast_log2::{WIDE_OCTAVE, wide_log2};
+use crate::math::floor::floor;
 
 /// Mip levels by which a footprint is looked up in finer texels than those of its area: filters between texels are wider
 /// than a texel. From 4 samples of a pixel on, pictures are then nearest to what many would be.
@@ -76,12 +77,14 @@ impl Texture {
 
     /// Linear colour and opacity at texture coordinates, between mip levels.
     fn between(&self, uv: DVec2, level: f32) -> Vec4 {
+        let uv = self.transform.apply(uv);
+        let place = DVec2::new(self.wrap[0].within(uv.x), self.wrap[1].within(uv.y));
         let (fine, share) = (level as usize, level.fract());
         let last = self.image.levels() - 1;
         if fine >= last || share == 0.0 {
-            return self.lookup(uv, fine.min(last));
+            return self.lookup(place, fine.min(last));
         }
-        self.lookup(uv, fine).lerp(self.lookup(uv, fine + 1), share)
+        self.lookup(place, fine).lerp(self.lookup(place, fine + 1), share)
     }
 
     /// Mip level for a footprint, given by its area in texture coordinates, a fraction in general: log₄ of the area in
@@ -93,20 +96,18 @@ impl Texture {
         (0.5 * octaves as f32 / WIDE_OCTAVE as f32 - FINER).max(0.0)
     }
 
-    /// Linear colour and opacity at texture coordinates, in a mip level.
-    fn lookup(&self, uv: DVec2, level: usize) -> Vec4 {
+    /// Linear colour and opacity at a place of the image, (0, 0) to (1, 1), in a mip level.
+    fn lookup(&self, place: DVec2, level: usize) -> Vec4 {
         let size = self.image.size(level);
-        let place = self.transform.apply(uv);
-        let [x, y] = [0, 1].map(|axis| size[axis] as f64 * self.wrap[axis].within(place[axis]));
+        let (x, y) = (size[0] as f64 * place.x, size[1] as f64 * place.y);
         if self.is_nearest {
             let nearest = |place: f64, size: usize| (place as usize).min(size - 1);
             return self.image.texel(level, [nearest(x, size[0]), nearest(y, size[1])]);
         }
-        let ([left, right], across) = self.wrap[0].neighbours(x, size[0]);
-        let ([upper, lower], down) = self.wrap[1].neighbours(y, size[1]);
-        let texel = |x: usize, y: usize| self.image.texel(level, [x, y]);
-        let above = texel(left, upper).lerp(texel(right, upper), across);
-        let below = texel(left, lower).lerp(texel(right, lower), across);
+        let (columns, across) = self.wrap[0].neighbours(x, size[0]);
+        let (rows, down) = self.wrap[1].neighbours(y, size[1]);
+        let [above, below] =
+            self.image.texels(level, columns, rows).map(|[left, right]| left.lerp(right, across));
         above.lerp(below, down)
     }
 }
@@ -119,9 +120,9 @@ impl Wrap {
             return 0.0;
         }
         match self {
-            Self::Repeat => coordinate - coordinate.floor(),
+            Self::Repeat => coordinate - floor(coordinate),
             Self::Mirror => {
-                let of_two = coordinate - 2.0 * (0.5 * coordinate).floor();
+                let of_two = coordinate - 2.0 * floor(0.5 * coordinate);
                 if of_two > 1.0 { 2.0 - of_two } else { of_two }
             }
             Self::Clamp => coordinate.clamp(0.0, 1.0),
@@ -132,7 +133,7 @@ impl Wrap {
     #[inline]
     fn neighbours(self, place: f64, size: usize) -> ([usize; 2], f32) {
         let from_centres = place - 0.5;
-        let before = from_centres.floor();
+        let before = floor(from_centres);
         let share = (from_centres - before) as f32;
         let last = size - 1;
         let beyond = |inside: usize, opposite: usize| match self {
@@ -159,7 +160,7 @@ mod tests {
 
     fn check(texture: &Texture, expected: &[(f64, f64)]) {
         for &(u, value) in expected {
-            let found = f64::from(texture.lookup(DVec2::new(u, 0.5), 0).x);
+            let found = f64::from(texture.between(DVec2::new(u, 0.5), 0.0).x);
             assert!((found - value).abs() < 1e-6, "{:?} at {u}: {found} for {value}", texture.wrap[0]);
         }
     }
@@ -212,7 +213,7 @@ mod tests {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
             for u in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, -1e-320] {
                 for is_nearest in [false, true] {
-                    assert!(row(wrap, is_nearest).lookup(DVec2::splat(u), 0).is_finite());
+                    assert!(row(wrap, is_nearest).between(DVec2::splat(u), 0.0).is_finite());
                 }
             }
         }

@@ -42,6 +42,13 @@ impl Meeting {
         Incidence::new(direction, self.surface.normal, self.surface.shading_normal, self.eta)
     }
 
+    /// Sine of the angle between both normals.
+    #[inline(always)]
+    pub fn lean(&self) -> f32 {
+        let SurfacePoint { normal, shading_normal, .. } = self.surface;
+        if normal == shading_normal { 0.0 } else { normal.cross(shading_normal).length() as f32 }
+    }
+
     /// Material of the surface, as it is all over.
     #[inline(always)]
     pub fn material<'a>(&self, scene: &'a Baked) -> &'a Material {

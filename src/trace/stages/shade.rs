@@ -120,6 +120,8 @@ struct ScatterPoint {
     is_specular: bool,
     /// True if light from beyond the surface gets through it.
     both_sides: bool,
+    /// Share of light that comes head-on for which light that grazes it counts.
+    grazing: f32,
 }
 
 /// Looks up and records the surface that a path landed on with its material, which is `varied` where textures vary it, and
@@ -150,7 +152,8 @@ fn arrive<'a>(
         Gathers::Beyond if !is_specular => path.gathers = Gathers::All,
         _ => {}
     }
-    Some((ScatterPoint { meeting, width, is_specular, both_sides: material.lobe.transmits() }, material))
+    let (both_sides, grazing) = (material.lobe.transmits(), meeting.lean().max(material.lobe.gloss()));
+    Some((ScatterPoint { meeting, width, is_specular, both_sides, grazing }, material))
 }
 
 /// Query for light that may come to where a path arrived.
@@ -164,9 +167,10 @@ fn light_query(
     numbers: &Numbers,
 ) -> Option<LightQuery> {
     let illumination = job.illumination.as_ref()?;
-    let &ScatterPoint { ref meeting, both_sides, .. } = arrival;
+    let &ScatterPoint { ref meeting, both_sides, grazing, .. } = arrival;
     let normal = meeting.incidence(landing.direction).normal;
-    let receiver = Receiver { position: landing.position, normal, both_sides, on: meeting.primitive };
+    let receiver =
+        Receiver { position: landing.position, normal, grazing, both_sides, on: meeting.primitive };
     light::query(job, illumination, path, material, &receiver, numbers.light)
 }
 
@@ -181,7 +185,7 @@ fn leave(
     (bounce, response): (&Bounce, &Response),
     numbers: &Numbers,
 ) -> Option<DVec3> {
-    let &ScatterPoint { ref meeting, width, is_specular, both_sides } = arrival;
+    let &ScatterPoint { ref meeting, width, is_specular, both_sides, grazing } = arrival;
     if let Some(cones) = &job.cones {
         let eta = meeting.incidence(landing.direction).eta;
         *cone = cones.after((cone, path.sample), (landing, width), (bounce, eta), job.scene);
@@ -200,6 +204,7 @@ fn leave(
     *vertex = Vertex {
         position: landing.position,
         normal: meeting.incidence(landing.direction).normal,
+        grazing,
         both_sides,
         origin_prim: meeting.primitive,
         continues,

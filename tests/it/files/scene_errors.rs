@@ -212,6 +212,12 @@ fn values_without_meaning_show_their_line() {
         ("look_at = [0, 0, 0]", "direction = [0, 0, 0]", "direction has no direction"),
         ("look_at = [0, 0, 0]", "direction = [0, 1, 0]", "looks along its own `up`"),
         ("look_at = [0, 0, 0]\n", "", "the camera has no view direction"),
+        ("position = [0, 0, 10]\n", "", "`look_at` needs `position`"),
+        (
+            "position = [0, 0, 10]\nlook_at = [0, 0, 0]\n",
+            "",
+            "no glTF file brings a camera that this could change",
+        ),
         ("position = [0, 0, 10]", "position = [0, 0, 0.2]", "inside the black hole"),
         ("width = 64", "width = 0", "width must be between 1 and"),
         ("width = 64", "width = -64", "invalid value"),

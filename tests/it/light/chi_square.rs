@@ -10,7 +10,7 @@ use warpfront::film::Aov;
 use warpfront::geometry::{Disk, PrimitiveId, Shape, Sphere};
 use warpfront::light::{
     Approach, Cap, Emission, Emitter, EmitterHit, Form, Guide, Incoming, Lensed, LightRayEnd, LightSampler,
-    Lights, Photon, Receiver, Sky, StraightAim, Target, Tree, View,
+    Lights, LitSide, Photon, Receiver, Sky, StraightAim, Target, Tree, View,
 };
 use warpfront::scene::Baked;
 
@@ -339,20 +339,21 @@ fn lights_are_chosen_with_the_probability_that_is_said_of_them() {
         let floor = if number % 2 == 0 { 0.0 } else { 0.1 };
         let tree = Tree::build(count as u32, |index| emissions[index as usize], floor);
         let x = 8.0 * random.in_cube();
-        let normal = if number % 3 == 0 { None } else { Some(random.direction()) };
+        let grazing = if number % 4 < 2 { 0.0 } else { 0.3 };
+        let side = (number % 3 > 0).then(|| LitSide { normal: random.direction(), grazing });
         let mut counts = vec![0.0; count + 1];
         for _ in 0..COUNT {
             let [u] = numbers(&mut random);
-            let index = match tree.sample(x, normal, u) {
+            let index = match tree.sample(x, side, u) {
                 Some((index, chance, _)) => {
-                    assert_eq!(chance, tree.probability(index, x, normal));
+                    assert_eq!(chance, tree.probability(index, x, side));
                     index as usize
                 }
                 None => count,
             };
             counts[index] += 1.0;
         }
-        let chances = (0..count as u32).map(|index| tree.probability(index, x, normal));
+        let chances = (0..count as u32).map(|index| tree.probability(index, x, side));
         let mut expected: Vec<f64> = chances.map(|chance| chance * COUNT as f64).collect();
         expected.push((COUNT as f64 - expected.iter().sum::<f64>()).max(0.0));
         verdict.add(format!("{count} lights, {number}"), probability(&counts, &expected));
@@ -473,7 +474,7 @@ fn light_samples_have_the_density_in_solid_angle_that_mis_asks_for() {
         let floor = geometry.shapes(|_| true).into_iter().rev();
         let on = floor.map(|(primitive, ..)| primitive).next().unwrap();
         let position = DVec3::new(0.4, 0.0, 0.3);
-        let receiver = Receiver { position, normal: DVec3::Y, both_sides: false, on };
+        let receiver = Receiver { position, normal: DVec3::Y, grazing: 0.0, both_sides: false, on };
         let follow = |directions: Vec<DVec3>| {
             let ray = |direction| Ray { position, direction, origin_prim: on };
             shoot(&scene, &directions.into_iter().map(ray).collect::<Vec<_>>())

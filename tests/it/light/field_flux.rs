@@ -104,8 +104,13 @@ impl Shadow {
                     break place;
                 }
             };
-            let receiver =
-                Receiver { position, normal: -position / RADIUS, both_sides: false, on: PrimitiveId::NONE };
+            let receiver = Receiver {
+                position,
+                normal: -position / RADIUS,
+                grazing: 0.0,
+                both_sides: false,
+                on: PrimitiveId::NONE,
+            };
             let numbers = [(); 2].map(|()| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
             let Incoming::Irradiance(irradiance) = sample.light else { panic!("{:?}", sample.light) };

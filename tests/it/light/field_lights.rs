@@ -47,7 +47,7 @@ fn regions_among_several_holes_have_the_density_that_is_said_of_them() {
         let emitter = lights.emitters()[0];
         let sampler = FieldRegions::new(field, 20.0, 1);
         let (position, normal) = (8.0 * random.in_cube(), random.direction());
-        let receiver = Receiver { position, normal, both_sides: false, on: PrimitiveId::NONE };
+        let receiver = Receiver { position, normal, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE };
         for _ in 0..50 {
             let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };

@@ -45,7 +45,8 @@ impl Lit {
                 let normal = self.normal(&landing);
                 let normal = normal * -landing.direction.dot(normal).signum();
                 let on = landing.primitive;
-                let receiver = Receiver { position: landing.position, normal, both_sides: false, on };
+                let receiver =
+                    Receiver { position: landing.position, normal, grazing: 0.0, both_sides: false, on };
                 found.push((receiver, landing.primitive));
             }
             from.direction = random.direction();

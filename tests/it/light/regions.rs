@@ -63,8 +63,13 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
             Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), number as u32 % 2);
         let Baked { geometry, materials, environment, .. } = &scene;
         let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
-        let receiver =
-            Receiver { position, normal: random.direction(), both_sides: false, on: PrimitiveId::NONE };
+        let receiver = Receiver {
+            position,
+            normal: random.direction(),
+            grazing: 0.0,
+            both_sides: false,
+            on: PrimitiveId::NONE,
+        };
         let samples: Vec<_> = (0..COUNT)
             .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
@@ -129,8 +134,13 @@ fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
         let Environment::Image(picture) = sky() else { unreachable!() };
         let tiles = Sky::new(&picture).unwrap();
         let position = random.log_between(4.0, 25.0) * random.direction();
-        let receiver =
-            Receiver { position, normal: random.direction(), both_sides: false, on: PrimitiveId::NONE };
+        let receiver = Receiver {
+            position,
+            normal: random.direction(),
+            grazing: 0.0,
+            both_sides: false,
+            on: PrimitiveId::NONE,
+        };
         let samples: Vec<_> = (0..4 * COUNT)
             .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
@@ -180,8 +190,13 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let position = if number % 7 == 0 { place } else { position };
         let scene = lamps(place, near(&mut random));
         let lights = Lights::new(&scene.geometry, (&scene.materials, &scene.textures), &sky(), &[], 0.1);
-        let receiver =
-            Receiver { position, normal: random.direction(), both_sides: false, on: PrimitiveId::NONE };
+        let receiver = Receiver {
+            position,
+            normal: random.direction(),
+            grazing: 0.0,
+            both_sides: false,
+            on: PrimitiveId::NONE,
+        };
         for _ in 0..20 {
             let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
@@ -248,7 +263,8 @@ fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
     let Baked { geometry, materials, environment, .. } = &scene;
     let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
     let position = DVec3::new(0.0, 15.0, 0.0);
-    let receiver = Receiver { position, normal: DVec3::NEG_Y, both_sides: false, on: PrimitiveId::NONE };
+    let receiver =
+        Receiver { position, normal: DVec3::NEG_Y, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE };
     let mut random = Random::new(3);
     let mut azimuths = [0; 8];
     for _ in 0..4000 {

@@ -35,7 +35,7 @@ fn light(
 ) -> (f64, f64, Vec<DVec3>) {
     let lights =
         Lights::new(&Geometry::build(Primitives::default()), (&[], &[]), &Environment::Black, &[light], 0.1);
-    let receiver = Receiver { position, normal, both_sides: false, on: PrimitiveId::NONE };
+    let receiver = Receiver { position, normal, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE };
     let (mut sum, mut grain, mut directions): (f64, f64, Vec<DVec3>) = (0.0, 0.0, Vec::new());
     for i in 0..CHOICES {
         let u = (i as f64 + 0.5) / CHOICES as f64;

@@ -31,7 +31,7 @@ fn images(rows: &[&Row], radius: f64) -> Vec<f64> {
     let directions: Vec<DVec3> = rows.iter().map(|row| row.vector(["dx0", "dx1", "dx2"])).collect();
     // Which side of the surface is lit is of no interest: a normal halfway to all images.
     let normal = directions.iter().sum::<DVec3>().normalize_or(DVec3::Z);
-    let receiver = Receiver { position: x, normal, both_sides: false, on: PrimitiveId::NONE };
+    let receiver = Receiver { position: x, normal, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE };
     let sampler = Sampler::sobol(1);
     let mut sums = vec![0.0; rows.len()];
     for sample in 0..SAMPLES {
