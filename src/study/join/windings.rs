@@ -53,7 +53,7 @@ pub(super) fn winding(
         return found;
     }
     for sink in field.sinks() {
-        let sights = [x, y].map(|from| Sight::all(aim, control, from, sink));
+        let sights = [x, y].map(|from| SeenHole::all(aim, control, from, sink));
         for (near, far) in sights[0].iter().flat_map(|near| sights[1].iter().map(move |far| (near, far))) {
             for (&tilts, sense) in tilts.iter().flat_map(|tilts| [(tilts, 1.0), (tilts, -1.0)]) {
                 let plane = WindingPlane::new([near, far], sense);
@@ -87,7 +87,7 @@ struct WindingPlane {
 }
 
 impl WindingPlane {
-    fn new([near, far]: [&Sight; 2], sense: f64) -> Self {
+    fn new([near, far]: [&SeenHole; 2], sense: f64) -> Self {
         let across = near.from.cross(far.from);
         let aligned = across.length() < ALIGNED;
         let normal = if aligned { tangents(near.from).0 } else { across.normalize() };
@@ -95,7 +95,7 @@ impl WindingPlane {
     }
 
     /// Unit vector to the side of a hole on which a ray towards it winds in this sense, turned by a `tilt`.
-    fn side(&self, sight: &Sight, tilt: f64) -> DVec3 {
+    fn side(&self, sight: &SeenHole, tilt: f64) -> DVec3 {
         let side = self.sense * self.normal.cross(sight.from);
         let (sin, cos) = libm::sincos(tilt);
         cos * side + sin * sight.from.cross(side)
@@ -112,7 +112,7 @@ impl WindingPlane {
 }
 
 /// A hole as it is seen from a place.
-struct Sight<'a> {
+struct SeenHole<'a> {
     hole: &'a Sink,
     /// The place.
     x: DVec3,
@@ -122,7 +122,7 @@ struct Sight<'a> {
     from: DVec3,
 }
 
-impl<'a> Sight<'a> {
+impl<'a> SeenHole<'a> {
     /// All ways in which a hole is seen.
     fn all(aim: &FieldAim<SeveralHoles>, control: &FieldControl, x: DVec3, hole: &'a Sink) -> Vec<Self> {
         let field = aim.field();
@@ -196,8 +196,8 @@ struct WindingRay {
 }
 
 impl WindingRay {
-    fn new(field: &SeveralHoles, control: &FieldControl, sight: &Sight, direction: DVec3) -> Self {
-        let Sight { hole, x, from, .. } = *sight;
+    fn new(field: &SeveralHoles, control: &FieldControl, sight: &SeenHole, direction: DVec3) -> Self {
+        let SeenHole { hole, x, from, .. } = *sight;
         let reach = NEAR * hole.shadow;
         let mut stops = vec![(FieldStop { x, direction, scale: x.distance(hole.center) }, 0.0)];
         let (mut swept, mut last) = (0.0, from);
