@@ -35,8 +35,8 @@ pub use dopri5::Dopri5;
 #[cfg(feature = "cli")]
 pub(crate) use field::elapsed_in_field;
 pub use field::{
-    FieldConnection, FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldTarget, FieldVerdict,
-    JoinLimits, alone, follow_field, join_in_field,
+    FieldConnection, FieldControl, FieldEnd, FieldJourney, FieldRays, FieldStep, FieldStop, FieldTarget,
+    FieldVerdict, JoinLimits, alone, follow_field, join_by_way, join_in_field,
 };
 pub(crate) use field::{at_infinity, lane, set_lane};
 pub use follow::{Journey, OrbitEnd, follow, until};

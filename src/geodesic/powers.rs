@@ -14,6 +14,8 @@ pub trait UsePowers {
 pub fn with_powers<W: UsePowers>(tolerance: f64, work: W) -> W::Output {
     if tolerance >= 1e-4 {
         work.with::<8>()
+    } else if tolerance >= 3e-6 {
+        work.with::<10>()
     } else if tolerance >= 1e-7 {
         work.with::<12>()
     } else {

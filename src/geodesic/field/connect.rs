@@ -156,7 +156,7 @@ fn shoot(
     let shot = ShotRays { field, control, starts: &starts, directions: &directions, target, passage };
     let (end, passage) = widest(shot)?;
     let momentum = |l: usize| lane(&end.p, l);
-    let arrival = mean(momentum).normalize();
+    let arrival = mean::<RAYS>(momentum).normalize();
     let off = |l: usize| match target {
         FieldTarget::Place(y) => lane(&end.x, l) - y,
         FieldTarget::Infinity(to) => momentum(l).normalize() - to,
@@ -172,7 +172,7 @@ fn shoot(
     };
     // Along the ray, a place is not met to the last digit.
     let (miss, residual) = match target {
-        FieldTarget::Place(_) => (along(mean(off)).length(), along(mean(off))),
+        FieldTarget::Place(_) => (along(mean::<RAYS>(off)).length(), along(mean::<RAYS>(off))),
         FieldTarget::Infinity(to) => (arrival.distance(to), along(arrival - to)),
     };
     let connection =
@@ -192,10 +192,14 @@ fn shoot(
     })
 }
 
-/// Mean over the rays.
+/// Mean over rays beside each other.
 #[inline(always)]
-fn mean(of: impl Fn(usize) -> DVec3) -> DVec3 {
-    0.25 * ((of(0) + of(1)) + (of(2) + of(3)))
+pub(super) fn mean<const L: usize>(of: impl Fn(usize) -> DVec3) -> DVec3 {
+    let mut sum = DVec3::ZERO;
+    for l in 0..L / 2 {
+        sum += of(2 * l) + of(2 * l + 1);
+    }
+    sum / L as f64
 }
 
 /// Rays beside each other, to be followed to where they are nearest to a target.
@@ -217,7 +221,8 @@ impl<F: IndexField> pulp::NullaryFnOnce for ShotRays<'_, F> {
         let Self { field, control, starts, directions, target, passage } = self;
         let step =
             |rays: &FieldRays<RAYS>, h: f64| FieldStep::new::<{ 3 * RAYS }>(field, &Rkn6, rays, &[h; RAYS]);
-        let middle = |rays: &FieldRays<RAYS>| (mean(|l| lane(&rays.x, l)), mean(|l| lane(&rays.p, l)));
+        let middle =
+            |rays: &FieldRays<RAYS>| (mean::<RAYS>(|l| lane(&rays.x, l)), mean::<RAYS>(|l| lane(&rays.p, l)));
         // How far the middle ray has to go, times n.
         let left = |rays: &FieldRays<RAYS>, y: DVec3| {
             let (x, p) = middle(rays);
@@ -287,19 +292,19 @@ impl<F: IndexField> pulp::NullaryFnOnce for ShotRays<'_, F> {
 
 /// Where the rays of a step are as far as their middle is beside the target, `left` times n away.
 #[inline(always)]
-fn beside(
-    start: &FieldRays<RAYS>,
-    (whole, h): (&FieldStep<RAYS>, f64),
-    step: impl Fn(&FieldRays<RAYS>, f64) -> FieldStep<RAYS>,
-    left: impl Fn(&FieldRays<RAYS>) -> f64,
+pub(super) fn beside<const L: usize>(
+    start: &FieldRays<L>,
+    (whole, h): (&FieldStep<L>, f64),
+    step: impl Fn(&FieldRays<L>, f64) -> FieldStep<L>,
+    left: impl Fn(&FieldRays<L>) -> f64,
     near: f64,
-) -> FieldRays<RAYS> {
+) -> FieldRays<L> {
     let (before, behind) = (left(start), left(&whole.end));
     let (mut low, mut high) = (0.0, h);
     let mut part = h * before / (before - behind);
     let mut passing = step(start, part);
     for _ in 0..MOST_IMPROVEMENTS {
-        let p2 = mean(|l| lane(&passing.end.p, l)).length_squared();
+        let p2 = mean::<L>(|l| lane(&passing.end.p, l)).length_squared();
         let further = left(&passing.end) / p2;
         if further * further * p2 <= near * near {
             break;

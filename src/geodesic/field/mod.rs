@@ -3,6 +3,7 @@
 mod connect;
 mod control;
 mod follow;
+mod legs;
 mod step;
 #[cfg(feature = "cli")]
 mod time;
@@ -11,6 +12,7 @@ pub use connect::{FieldConnection, FieldTarget, JoinLimits, join_in_field};
 pub use control::{FieldControl, FieldVerdict};
 pub(crate) use follow::at_infinity;
 pub use follow::{FieldEnd, FieldJourney, follow_field};
+pub use legs::{FieldStop, join_by_way};
 pub use step::{FieldRays, FieldStep, alone};
 pub(crate) use step::{lane, set_lane};
 #[cfg(feature = "cli")]

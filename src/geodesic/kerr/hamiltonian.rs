@@ -110,9 +110,9 @@ fn follow_once(
             }
             continue;
         }
-        // Up to a turning point first: the spheroid may be crossed on either side of it.
+        // Up to a turning point first: the spheroid may be crossed on either side of it. From there it is only left.
         let next_rise = next.rise(hole);
-        let turns = (rise < 0.0) != (next_rise < 0.0);
+        let turns = rise != 0.0 && (rise < 0.0) != (next_rise < 0.0);
         let way = if turns { root(h, (rise, next_rise), |h| photon.step(hole, h).0.rise(hole)) } else { h };
         let next = if turns { photon.step(hole, way).0 } else { next };
         if turns && rise < 0.0 {

@@ -18,6 +18,8 @@ pub struct Series<const P: usize> {
     pub start: MinoState,
     /// Frequency of the harmonic part, √(J² + a²μ²).
     pub omega: f64,
+    /// 1/ω; of no use where ω is 0.
+    per_omega: f64,
     /// Of u, less its harmonic part.
     pub u: [f64; P],
     /// Of N, less its harmonic part.
@@ -94,7 +96,8 @@ impl<const P: usize> Coefficients<P> {
             self.per_denominator = 1.0 / self.denominator[0];
         }
         let mut rest = self.numerator[n];
-        for i in 1..n + 1 {
+        // The last ones, which the next ones wait for, come in last.
+        for i in (1..n + 1).rev() {
             rest -= self.denominator[i] * self.kept.winding[n - i];
         }
         self.kept.winding[n] = rest * self.per_denominator;
@@ -127,9 +130,11 @@ impl<const P: usize> Series<P> {
         for (axis, (n, m)) in n.to_array().into_iter().zip(m.to_array()).enumerate() {
             (firsts[axis][0], firsts[axis][1]) = (n, m);
         }
+        let omega = omega2.max(0.0).sqrt();
         let kept = Self {
             start: *start,
-            omega: omega2.max(0.0).sqrt(),
+            omega,
+            per_omega: 1.0 / omega,
             u: [0.0; P],
             n: [[0.0; P]; 3],
             winding: [0.0; P],
@@ -190,7 +195,7 @@ impl<const P: usize> Series<P> {
         // 1 − cos, sin/ω.
         let versine = 2.0 * s * s;
         let sine = 2.0 * s * c;
-        let ratio = sine / self.omega;
+        let ratio = sine * self.per_omega;
         let reach = if angle.abs() > 1e-9 { ratio } else { h };
         let (du, dv) = sums(&self.u, h);
         let rise = v * reach - u * versine + du;

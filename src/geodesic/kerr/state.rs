@@ -49,8 +49,15 @@ impl MinoState {
     /// First derivative of the position in the chart with respect to the parameter of [`Self::motion`].
     #[inline(always)]
     pub fn velocity(&self, hole: &UnitHole, constants: &Constants) -> DVec3 {
-        let [velocity, _] = self.motion(hole, constants);
-        velocity
+        self.velocity_winding(hole, self.winding(hole, constants))
+    }
+
+    /// [`Self::velocity`], given [`Self::winding`].
+    #[inline(always)]
+    pub fn velocity_winding(&self, hole: &UnitHole, g: f64) -> DVec3 {
+        let Self { u, v, n, m } = *self;
+        let tilt = m + hole.a * (g - 1.0) * about_axis(n);
+        -v * n + u * tilt + (hole.a * u * u) * about_axis(tilt)
     }
 
     /// First and second derivatives of the position in the chart with respect to a parameter s with dλ = u² ds, in which

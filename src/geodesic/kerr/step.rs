@@ -64,7 +64,13 @@ impl SeriesControl {
     /// Length of a step from the start of `series`: by its last coefficients, and short beside the hole.
     #[inline(always)]
     pub fn length<const P: usize>(&self, hole: &UnitHole, series: &Series<P>) -> f64 {
-        let Series { start, omega, u, n: [x, y, z], winding } = series;
+        self.length_to(hole, series, f64::NAN)
+    }
+
+    /// [`Self::length`] of a step that goes outwards no farther than about to the inverse radius `farthest`; NaN for any.
+    #[inline(always)]
+    pub fn length_to<const P: usize>(&self, hole: &UnitHole, series: &Series<P>, farthest: f64) -> f64 {
+        let Series { start, omega, u, n: [x, y, z], winding, .. } = series;
         let size = |i: usize| omega * u[i].abs() + x[i].abs() + y[i].abs() + z[i].abs();
         let wound = hole.a.abs() * winding[P - 3].abs() * (1.0 / (P - 2) as f64);
         let before = size(P - 2);
@@ -81,9 +87,10 @@ impl SeriesControl {
         let accurate = fast_log2::wide_exp2(shortest);
         let wide = WIDEST / (omega + hole.a.abs() * (winding[0] - 1.0).abs() + f64::MIN_POSITIVE);
         let (left, least) = (hole.horizon - start.u, SHORTEST_FALL * hole.horizon);
-        let fall = series.fall_by(if left > least { left } else { least });
-        let fall = if start.v > 0.0 { fall } else { f64::INFINITY };
-        accurate.min(wide).min(fall)
+        let inwards = if left > least { left } else { least };
+        let reach = series.fall_by(if start.v > 0.0 { inwards } else { farthest - start.u });
+        let h = accurate.min(wide);
+        if reach < h { reach } else { h }
     }
 }
 

@@ -10,6 +10,7 @@ mod lens_cache;
 mod several_holes;
 mod shadow_edge;
 mod spinning;
+mod windings;
 
 pub(crate) use form::{JoinForm, Joints, POINTS, PointPair};
 pub(crate) use lens_cache::LensCache;

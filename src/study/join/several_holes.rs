@@ -11,6 +11,7 @@ use super::super::table::number_cell;
 use super::form::{JoinForm, Joints, PointPair, X, Y};
 use super::lens_cache::LensCache;
 use super::shadow_edge::beside_shadows;
+use super::windings::winding;
 use crate::geodesic::{
     Dop853, FieldConnection, FieldControl, FieldEnd, FieldRays, FieldTarget, JoinLimits, alone,
     elapsed_in_field, follow_field,
@@ -98,10 +99,11 @@ fn join(_: &LensCache, pair: &PointPair, max_winding: u32) -> Result<Joints, Inp
     };
     let (x, target) = (pair.x, FieldTarget::Place(pair.y));
     let aim = FieldAim::new(field.clone(), max_winding);
-    let winding = beside_shadows(&field, &rough, x, max_winding);
-    let guesses = aim.guesses(x, target).chain((0..DIRECTIONS).map(evenly)).chain(winding);
+    let beside = beside_shadows(&field, &rough, x, max_winding);
+    let guesses = aim.guesses(x, target).chain((0..DIRECTIONS).map(evenly)).chain(beside);
     let images = aim.images(&rough, (x, target), guesses, limits(ROUGH, 0.0));
-    let directions = images.iter().map(|image| image.direction);
+    let winding = winding(&aim, &rough, [x, pair.y], max_winding);
+    let directions = images.iter().map(|image| image.direction).chain(winding);
     let images = aim.images(&control, (x, target), directions, limits(ENOUGH, LINEAR));
     let mut found: Vec<FieldJoint> =
         images.iter().filter_map(|image| joint(&field, &control, pair, image)).collect();

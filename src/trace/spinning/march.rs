@@ -127,18 +127,18 @@ fn on_the_way<const P: usize>(
 }
 
 impl SpinningMarch {
-    /// A length of at most `h`: far outside the geometry, rays go to its edge in one step, and on their way out they do
-    /// not go far beyond.
+    /// Length of a step: far outside the geometry, rays go to its edge in one step, and on their way out they do not go
+    /// far beyond.
     #[inline(always)]
-    fn within<const P: usize>(&self, h: f64, series: &Series<P>) -> f64 {
+    fn length<const P: usize>(&self, control: &SeriesControl, series: &Series<P>) -> f64 {
         let outer = self.chart.outer;
         let edge = EDGE * outer;
         let MinoState { u, v, .. } = series.start;
         let end = OUTSIDE * if u > outer { outer } else { u };
         let end = if end > FARTHEST * u { end } else { FARTHEST * u };
-        let bounded = if v < 0.0 { series.fall_by(end - u) } else { (edge - u) / v };
-        let is_bounded = (v < 0.0) | (u < OUTSIDE * edge);
-        if is_bounded & (bounded < h) { bounded } else { h }
+        let h = control.length_to(&self.place.hole, series, end);
+        let to_edge = (edge - u) / v;
+        if (v > 0.0) & (u < OUTSIDE * edge) & (to_edge < h) { to_edge } else { h }
     }
 }
 
@@ -152,7 +152,7 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
         let held = &self.held;
         let (hole, state, constants) = (&held.place.hole, flight.state(), flight.constants());
         let series = Series::<P>::new(hole, &constants, &state);
-        let h = held.within(self.control.length(hole, &series), &series);
+        let h = held.length(&self.control, &series);
         let h = if flight.longest < h { flight.longest } else { h };
         let step = SeriesStep::new(hole, &constants, &series, h);
         let points = [
@@ -160,7 +160,7 @@ impl<const P: usize> Kernel for SpinningSteps<P> {
             on_the_way(hole, &series, &step, h, 0.5),
             on_the_way(hole, &series, &step, h, LATE),
         ];
-        let tangents = [state.velocity(hole, &constants), step.end.velocity(hole, &constants)];
+        let tangents = [state.velocity_winding(hole, series.winding[0]), step.end.velocity(hole, &constants)];
         let SpaceArc { middle, weight, error } = {
             let starts_on = flight.origin_prim != PrimitiveId::NONE;
             fit_sampled_arc(step.displacement, points, tangents, starts_on)

@@ -17,21 +17,19 @@ fn cells(x: DVec3) -> String {
     x.to_array().map(|number| format!("{number:?}")).join(",")
 }
 
-#[test]
-fn the_rays_of_the_exact_table_join_their_ends() {
+/// Rows of the exact table whose rays `connect` misses, given a highest winding number; the others are as exact as asked.
+fn missed_rows<'a>(exact: &[&'a Row], max_winding: &str) -> Vec<&'a str> {
     let columns = ["m1", "hx1", "hy1", "hz1", "m2", "hx2", "hy2", "hz2", "m3", "hx3", "hy3", "hz3"];
-    let exact: Vec<Row> = table("majumdar_papapetrou_rays.csv");
-    let escaped: Vec<&Row> = exact.iter().filter(|row| row.text("status") == "escaped").collect();
     let mut pairs = format!("pair,{},x0,x1,x2,y0,y1,y2\n", columns.join(","));
-    for row in &escaped {
+    for row in exact {
         let holes = columns.map(|column| row.text(column)).join(",");
         let ends =
             [["x0", "y0", "z0"], ["x1", "y1", "z1"]].map(|columns| cells(row.vector(columns))).join(",");
         pairs += &format!("{},{holes},{ends}\n", row.text("id"));
     }
-    let found = connected(&pairs, "several-holes", &["--max-winding", "2"]);
+    let found = connected(&pairs, "several-holes", &["--max-winding", max_winding]);
     let (mut missed, mut worst) = (Vec::new(), [0.0f64; 3]);
-    for exact in &escaped {
+    for exact in exact {
         let id = exact.text("id");
         let direction = exact.vector(["dx0", "dy0", "dz0"]).normalize();
         let rays = found.iter().filter(|row| row.text("pair") == id);
@@ -50,9 +48,20 @@ fn the_rays_of_the_exact_table_join_their_ends() {
             *worst = worst.max(error);
         }
     }
-    println!("{} of {} missed: {missed:?}; directions, times: {worst:?}", missed.len(), escaped.len());
-    // They wind about a hole by more than 4π.
+    println!("{} of {} missed: {missed:?}; directions, times: {worst:?}", missed.len(), exact.len());
+    missed
+}
+
+#[test]
+fn the_rays_of_the_exact_table_join_their_ends() {
+    let exact: Vec<Row> = table("majumdar_papapetrou_rays.csv");
+    let escaped: Vec<&Row> = exact.iter().filter(|row| row.text("status") == "escaped").collect();
+    let missed = missed_rows(&escaped, "2");
+    // They wind more often.
     assert_eq!(missed, ["119", "125", "134", "135"]);
+    let winding: Vec<&Row> = escaped.into_iter().filter(|row| missed.contains(&row.text("id"))).collect();
+    // It winds about two holes, one after the other.
+    assert_eq!(missed_rows(&winding, "4"), ["125"]);
 }
 
 #[test]
@@ -66,9 +75,9 @@ fn the_rays_past_one_hole_are_those_of_a_hole_of_extremal_charge() {
         several += &format!("{mass},{},{},{}\n", cells(center), cells(center + x), cells(center + y));
         one += &format!("{:?},1,{},{}\n", 2.0 * mass, cells(x), cells(y));
     }
-    let several = connected(&several, "several-holes", &["--max-winding", "2"]);
-    let one = connected(&one, "reissner-nordstrom", &["--max-winding", "2"]);
-    assert_eq!(one.len(), 9);
+    let several = connected(&several, "several-holes", &["--max-winding", "6"]);
+    let one = connected(&one, "reissner-nordstrom", &["--max-winding", "6"]);
+    assert_eq!(one.len(), 21);
     for one in one {
         let is_same = |row: &&Row| {
             row.text("pair") == one.text("pair") && (row.number("t") / one.number("t") - 1.0).abs() < 1e-9
@@ -81,7 +90,8 @@ fn the_rays_past_one_hole_are_those_of_a_hole_of_extremal_charge() {
         {
             assert!(ray.vector(columns).distance(one.vector(columns)) < allowed, "{ray:?} {one:?}");
         }
-        for (column, allowed) in [("nu_x_over_nu_y", 1e-12), ("G_xy", 1e-6), ("G_yx", 1e-6)] {
+        let spread = 1e-6 + 1e-10 * swing;
+        for (column, allowed) in [("nu_x_over_nu_y", 1e-12), ("G_xy", spread), ("G_yx", spread)] {
             let ratio = ray.number(column) / one.number(column);
             assert!((ratio - 1.0).abs() < allowed, "{column}: {ratio} {ray:?} {one:?}");
         }

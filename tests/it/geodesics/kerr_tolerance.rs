@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use warpfront::geodesic::kerr::{KerrLaunch, KerrPhoton, PhotonEnd, UnitHole, follow_photon};
 use warpfront::scene::{Precision, StepperKind};
 use warpfront::spacetime::{Entry, Fate};
-use warpfront::study::free::{Accuracy, Cells, TableForm};
+use warpfront::study::free::{Accuracy, Cells, FreeRayEnd, TableForm};
 
 /// Radius of the spheroid on which rays end.
 const R_OUT: f64 = 1200.0;
@@ -49,6 +49,18 @@ fn honesty(spin: f64, tolerance: f64, rays: usize) -> (usize, f64, usize) {
         .collect();
     let above = ratios.iter().filter(|ratio| **ratio > 1.0).count();
     (above, ratios.iter().fold(0.0, |worst, &ratio| worst.max(ratio)), ratios.len())
+}
+
+#[test]
+fn a_photon_that_stops_at_its_turning_point_exactly_goes_on() {
+    let entry = Entry::named("kerr").unwrap();
+    let spacetime = entry.with(DVec3::ZERO, &[2.0, 0.5]);
+    let x = [0.7250011290310521, -0.2626359921228261, -2.34830615182873];
+    let p = [0.1983964136860601, -0.5594098276121492, -0.8047978055433895];
+    let cells = Cells { needed: [&x[..], &p, &[R_OUT]].concat(), optional: Vec::new() };
+    let accuracy = Accuracy { stepper: StepperKind::Dop853, tolerance: 1e-13, precision: Precision::F64 };
+    let end = (TableForm::of(entry).arrive)(&spacetime, &cells, &accuracy).unwrap();
+    assert_eq!(end.status, FreeRayEnd::Captured);
 }
 
 /// Spins and tolerances, each with so many rays: less than 1 % above what is allowed.
