@@ -64,7 +64,7 @@ pub fn join_by_way(
     for _ in 0..CORRECTIONS {
         let missed = miss(&legs);
         if missed <= ENOUGH {
-            return Some(stops[0].direction);
+            return stops.first().map(|stop| stop.direction);
         }
         let changes = changes(&legs);
         let largest = changes.iter().fold(0.0f64, |largest, by| largest.max(by.abs().max_element()));
@@ -98,7 +98,7 @@ fn legs_between(field: &impl IndexField, control: &FieldControl, stops: &[FieldS
 
 /// By how much legs miss the stops: the direction at the last one is free.
 fn miss(legs: &[Leg]) -> f64 {
-    let (last, others) = legs.split_last().expect("a leg");
+    let Some((last, others)) = legs.split_last() else { return 0.0 };
     let on_the_way: f64 = others.iter().map(|leg| leg.off.length_squared()).sum();
     (on_the_way + last.off.truncate().truncate().length_squared()).sqrt()
 }
