@@ -37,7 +37,7 @@ pub struct GuidedSampling {
 }
 
 /// Way by which light is looked for.
-enum Way {
+enum ChosenWay {
     /// Through mirrors and glass: a sample of such light.
     ThroughSpecular(Option<LightSample>),
     /// Directly, which had this probability, from two numbers in [0, 1).
@@ -146,8 +146,8 @@ impl Illumination {
     /// those of the whole choice.
     pub fn sample(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<LightSample> {
         match self.choose_way(receiver, numbers) {
-            Way::ThroughSpecular(light) => light,
-            Way::Direct(share, numbers) => {
+            ChosenWay::ThroughSpecular(light) => light,
+            ChosenWay::Direct(share, numbers) => {
                 Some(self.sampler.sample(&self.lights, receiver, numbers)?.chosen_with(share))
             }
         }
@@ -170,11 +170,11 @@ impl Illumination {
             let place = asked;
             asked += 1;
             match self.choose_way(&query.receiver, query.numbers) {
-                Way::ThroughSpecular(light) => {
+                ChosenWay::ThroughSpecular(light) => {
                     specular.push((place, light));
                     false
                 }
-                Way::Direct(share, numbers) => {
+                ChosenWay::Direct(share, numbers) => {
                     query.numbers = numbers;
                     direct.push((place, share));
                     true
@@ -194,18 +194,18 @@ impl Illumination {
 
     /// Chooses whether light comes to `receiver` through mirrors and glass or directly, from two numbers in [0, 1).
     #[inline(always)]
-    fn choose_way(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> Way {
+    fn choose_way(&self, receiver: &Receiver, [u, v]: [f64; 2]) -> ChosenWay {
         let near = self.near(receiver);
         let specular = near.map_or(0.0, |near| near.share);
         if u < specular {
             let sample = |near: Neighbourhood| near.sample(receiver.position, [u / specular, v]);
-            return Way::ThroughSpecular(near.and_then(sample).map(|(direction, density)| {
+            return ChosenWay::ThroughSpecular(near.and_then(sample).map(|(direction, density)| {
                 let light = Incoming::Radiance(Vec3::ONE, specular * density);
                 LightSample { direction, target: Target::ThroughSpecular, light }
             }));
         }
         let direct = 1.0 - specular;
-        Way::Direct(direct, [((u - specular) / direct).min(1f64.next_down()), v])
+        ChosenWay::Direct(direct, [((u - specular) / direct).min(1f64.next_down()), v])
     }
 
     /// The density with which [`Self::sample`] chooses the ray that left `vertex` and found light at its end.

@@ -12,6 +12,7 @@ mod build;
 mod cluster;
 mod cone;
 mod descent;
+mod descents;
 mod emission;
 mod node;
 #[cfg(test)]
@@ -20,7 +21,7 @@ mod tests;
 use glam::DVec3;
 
 use descent::Descent;
-pub use descent::Descents;
+pub use descents::Descents;
 pub use emission::Emission;
 use node::{COSINE_ERROR, Chances, LightTreeNode, Siblings, Subtree};
 pub use node::{LitSide, LocalReceiver};
