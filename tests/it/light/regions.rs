@@ -44,6 +44,11 @@ fn chance_of(directions: &[Option<DVec3>], first: DVec3, density: impl Fn(DVec3)
     cells.probability(directions.iter().copied(), density)
 }
 
+/// A receiver that is lit from one side.
+fn receiver(position: DVec3, normal: DVec3) -> Receiver {
+    Receiver { position, normal, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE }
+}
+
 #[test]
 fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
     let (mut random, mut verdict, mut seen) = (Random::new(1), Verdict::default(), 0);
@@ -63,13 +68,7 @@ fn regions_are_drawn_from_with_the_density_that_is_said_of_them() {
             Regions::new(PlacedHole::new(placement, &hole), scene.spacetime.rest_frame(), number as u32 % 2);
         let Baked { geometry, materials, environment, .. } = &scene;
         let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
-        let receiver = Receiver {
-            position,
-            normal: random.direction(),
-            grazing: 0.0,
-            both_sides: false,
-            on: PrimitiveId::NONE,
-        };
+        let receiver = receiver(position, random.direction());
         let samples: Vec<_> = (0..COUNT)
             .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
@@ -134,13 +133,7 @@ fn tiles_of_a_sky_are_drawn_from_with_the_density_that_is_said_of_them() {
         let Environment::Image(picture) = sky() else { unreachable!() };
         let tiles = Sky::new(&picture).unwrap();
         let position = random.log_between(4.0, 25.0) * random.direction();
-        let receiver = Receiver {
-            position,
-            normal: random.direction(),
-            grazing: 0.0,
-            both_sides: false,
-            on: PrimitiveId::NONE,
-        };
+        let receiver = receiver(position, random.direction());
         let samples: Vec<_> = (0..4 * COUNT)
             .map(|_| sampler.sample(&lights, &receiver, [0; 2].map(|_| random.between(0.0, 1.0))))
             .collect();
@@ -190,13 +183,7 @@ fn no_place_of_a_light_or_a_receiver_is_too_odd() {
         let position = if number % 7 == 0 { place } else { position };
         let scene = lamps(place, near(&mut random));
         let lights = Lights::new(&scene.geometry, (&scene.materials, &scene.textures), &sky(), &[], 0.1);
-        let receiver = Receiver {
-            position,
-            normal: random.direction(),
-            grazing: 0.0,
-            both_sides: false,
-            on: PrimitiveId::NONE,
-        };
+        let receiver = receiver(position, random.direction());
         for _ in 0..20 {
             let numbers = [0; 2].map(|_| random.between(0.0, 1.0));
             let Some(sample) = sampler.sample(&lights, &receiver, numbers) else { continue };
@@ -263,8 +250,7 @@ fn a_lamp_behind_a_spinning_hole_is_sampled_as_a_ring() {
     let Baked { geometry, materials, environment, .. } = &scene;
     let lights = Lights::new(geometry, (materials, &[]), environment, &[], 0.1);
     let position = DVec3::new(0.0, 15.0, 0.0);
-    let receiver =
-        Receiver { position, normal: DVec3::NEG_Y, grazing: 0.0, both_sides: false, on: PrimitiveId::NONE };
+    let receiver = receiver(position, DVec3::NEG_Y);
     let mut random = Random::new(3);
     let mut azimuths = [0; 8];
     for _ in 0..4000 {
