@@ -8,13 +8,12 @@ use super::aim::Approach;
 use super::receiver::Receiver;
 use super::sample::Incoming;
 use super::spherical_triangle::SphericalTriangle;
+use super::spots::{SphereParts, SpherePoints, Spot, TrianglePoints, UnitSquare, ViewedTriangle, even_point};
 use super::tree::Emission;
 use crate::geometry::{PrimitiveId, Shape, Sphere};
-use crate::math::columns::columns;
 use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
 use crate::math::kernel::Kernel;
-use crate::math::rescale::rescale;
 use crate::math::sin_cos_turns;
 
 /// An emitting primitive.
@@ -51,6 +50,9 @@ pub struct Cap {
 }
 
 impl Cap {
+    /// All of a sphere.
+    const WHOLE: Cap = Cap { axis: DVec3::Z, height: 2.0 };
+
     /// A cap of half-angle `angle`, radians, around the unit vector `axis`.
     pub fn new(axis: DVec3, angle: f64) -> Self {
         Self { axis, height: 2.0 * libm::sin(0.5 * angle).powi(2) }
@@ -71,84 +73,6 @@ impl Cap {
     fn area(&self, radius: f64) -> f64 {
         TAU * radius * radius * self.height
     }
-}
-
-columns! {
-    /// A point on an emitter.
-    #[derive(PartialEq)]
-    pub struct Spot => SpotBlock {
-        /// World position.
-        position: DVec3,
-        /// Unit normal, towards the front.
-        normal: DVec3,
-        /// Density over the area, scene units⁻²; 0 if there is no such point.
-        density: f64,
-    }
-}
-
-columns! {
-    /// A triangle and where it is looked at from along straight lines.
-    pub struct ViewedTriangle => ViewedTriangleBlock {
-        /// Corner 0.
-        a: DVec3,
-        /// Corner 1.
-        b: DVec3,
-        /// Corner 2.
-        c: DVec3,
-        /// Position of the onlooker.
-        x: DVec3,
-    }
-}
-
-columns! {
-    /// Two numbers in [0, 1).
-    pub struct UnitSquare => UnitSquareBlock {
-        /// The first.
-        u: f64,
-        /// The second.
-        v: f64,
-    }
-}
-
-/// Kernel that chooses points on triangles.
-pub struct TrianglePoints;
-
-impl Kernel for TrianglePoints {
-    type A = ViewedTriangle;
-    type B = UnitSquare;
-    type Out = Spot;
-
-    #[inline(always)]
-    fn run(
-        &self,
-        &ViewedTriangle { a, b, c, x }: &ViewedTriangle,
-        &UnitSquare { u, v }: &UnitSquare,
-    ) -> Spot {
-        let across = (b - a).cross(c - a);
-        let double_area = across.length();
-        let normal = across / double_area;
-        let triangle = SphericalTriangle::seen([a, b, c], x);
-        let direction = triangle.sample(u, v);
-        let offset = (a - x).dot(normal) / direction.dot(normal) * direction;
-        let density = triangle.density(offset, normal);
-        let is_seen = triangle.is_seen();
-        let even = even_point([a, b, c], u, v);
-        let pick = |seen: f64, even: f64| if is_seen { seen } else { even };
-        let (seen, even_density) = (x + offset, 2.0 / double_area);
-        let position = DVec3::new(pick(seen.x, even.x), pick(seen.y, even.y), pick(seen.z, even.z));
-        let density = pick(density, even_density);
-        let is_usable = (position.length_squared() < f64::INFINITY) & (density > 0.0) & (double_area > 0.0);
-        Spot { position, normal, density: if is_usable { density } else { 0.0 } }
-    }
-}
-
-/// A point evenly over a triangle, from two numbers in [0, 1): Heitz 2019, "A Low-Distortion Map Between Triangle and
-/// Square".
-#[inline(always)]
-fn even_point([a, b, c]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
-    let is_above = v > u;
-    let (s, t) = (if is_above { 0.5 * u } else { u - 0.5 * v }, if is_above { v - 0.5 * u } else { 0.5 * v });
-    a + s * (b - a) + t * (c - a)
 }
 
 /// An ellipsoid around an emitter.
@@ -281,13 +205,12 @@ impl Emitter {
 
     /// A point, from two numbers in [0, 1).
     pub fn sample(&self, view: &View, u: f64, v: f64) -> Option<Spot> {
-        let on = |sphere: Sphere, normal: DVec3| (sphere.center + sphere.radius * normal, normal);
+        let square = UnitSquare { u, v };
         let (position, normal) = match self.form {
-            Form::Cap(sphere, cap) => {
-                let [square, turns] = concentric(u, v);
-                on(sphere, around(cap.axis, square * cap.height, turns))
+            Form::Cap(..) | Form::Whole(Shape::Sphere(_)) => {
+                let spot = SpherePoints.run(&self.sphere_parts(view)?, &square);
+                return (spot.density > 0.0).then_some(spot);
             }
-            Form::Whole(Shape::Sphere(sphere)) => on(sphere, sphere_normal(&sphere, view, u, v)),
             Form::Whole(Shape::Disk(disk)) => {
                 let (tangent, bitangent) = tangents(disk.normal);
                 let (inner2, outer2) = (disk.inner * disk.inner, disk.outer * disk.outer);
@@ -298,7 +221,7 @@ impl Emitter {
             }
             Form::Whole(Shape::Triangle(corners @ [a, b, c])) => {
                 if let View::Straight(x) = *view {
-                    let spot = TrianglePoints.run(&ViewedTriangle { a, b, c, x }, &UnitSquare { u, v });
+                    let spot = TrianglePoints.run(&ViewedTriangle { a, b, c, x }, &square);
                     return (spot.density > 0.0).then_some(spot);
                 }
                 (even_point(corners, u, v), (b - a).cross(c - a).try_normalize()?)
@@ -308,12 +231,37 @@ impl Emitter {
         (density > 0.0).then_some(Spot { position, normal, density })
     }
 
+    /// The parts of a sphere on which its points are chosen; `None` if it is no sphere.
+    pub fn sphere_parts(&self, view: &View) -> Option<SphereParts> {
+        let Sphere { center, radius } = self.sphere()?;
+        let cap = match self.form {
+            Form::Cap(_, cap) => cap,
+            Form::Whole(_) => Cap::WHOLE,
+        };
+        let parts = SphereParts {
+            center,
+            radius,
+            on_cap: 1.0,
+            axis: cap.axis,
+            height: cap.height,
+            ..SphereParts::UNSEEN
+        };
+        match (self.form, *view) {
+            (Form::Whole(_), View::Outside(Approach { distance, direction, is_exact })) => {
+                Some(parts.seen_from(distance, direction, if is_exact { 0.0 } else { EVEN }))
+            }
+            _ => Some(parts),
+        }
+    }
+
     /// Density over the area of a point on it with this normal.
     pub fn density(&self, view: &View, position: DVec3, normal: DVec3) -> f64 {
         match self.form {
             Form::Cap(sphere, cap) if cap.holds(normal) => 1.0 / cap.area(sphere.radius),
             Form::Cap(..) => 0.0,
-            Form::Whole(Shape::Sphere(sphere)) => sphere_density(&sphere, view, normal),
+            Form::Whole(Shape::Sphere(_)) => {
+                self.sphere_parts(view).map_or(0.0, |parts| parts.density(normal))
+            }
             Form::Whole(Shape::Triangle(corners)) => match seen_triangle(corners, view) {
                 Some((triangle, x)) => triangle.density(position - x, normal),
                 None => 1.0 / Shape::Triangle(corners).area(),
@@ -360,70 +308,4 @@ fn seen_triangle(corners: [DVec3; 3], view: &View) -> Option<(SphericalTriangle,
 /// Luminance of linear Rec. 709 colours.
 pub fn luminance(colour: Vec3) -> f64 {
     colour.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
-}
-
-/// The unit vector at an angle to `axis`, given by 1 − its cosine, and the azimuth in turns.
-fn around(axis: DVec3, height: f64, turns: f64) -> DVec3 {
-    let (tangent, bitangent) = tangents(axis);
-    let sin = (height * (2.0 - height)).max(0.0).sqrt();
-    let (s, c) = sin_cos_turns::sin_cos(turns);
-    sin * (c * tangent + s * bitangent) + (1.0 - height) * axis
-}
-
-/// A sphere seen from outside.
-struct SphereCap {
-    /// Distance of the onlooker from the middle over the radius.
-    distance: f64,
-    /// The square of that less 1.
-    excess: f64,
-    /// 1 − cos of the angle under which the sphere is seen.
-    height: f64,
-    /// Unit direction to the middle.
-    direction: DVec3,
-    /// Share of points chosen evenly over the sphere.
-    even: f64,
-}
-
-impl SphereCap {
-    /// `None` where any point may be seen.
-    fn of(sphere: &Sphere, view: &View) -> Option<Self> {
-        let View::Outside(Approach { distance, direction, is_exact }) = *view else { return None };
-        let k = distance / sphere.radius;
-        let excess = ((distance - sphere.radius) / sphere.radius) * (k + 1.0);
-        let height = 1.0 / (k * (k + excess.sqrt()));
-        let even = if is_exact { 0.0 } else { EVEN };
-        (excess > 0.0).then_some(Self { distance: k, excess, height, direction, even })
-    }
-}
-
-/// Normal of a point that the onlooker sees, evenly in solid angle as if rays were straight near the sphere; of any
-/// point where any may be seen, and now and then where the view is a guess.
-fn sphere_normal(sphere: &Sphere, view: &View, u: f64, v: f64) -> DVec3 {
-    let anywhere = |u: f64, v: f64| {
-        let [square, turns] = concentric(u, v);
-        around(DVec3::Z, 2.0 * square, turns)
-    };
-    let Some(cone) = SphereCap::of(sphere, view) else { return anywhere(u, v) };
-    if u < cone.even {
-        return anywhere(rescale(u, 0.0, cone.even), v);
-    }
-    let [square, turns] = concentric(rescale(u, cone.even, 1.0 - cone.even), v);
-    // The ray at the angle θ to the middle meets the sphere after t radii, at the angle α seen from the centre.
-    let less = square * cone.height;
-    let (cos, sin2) = (1.0 - less, less * (2.0 - less));
-    let root = (1.0 - cone.distance * cone.distance * sin2).max(0.0).sqrt();
-    let t = cone.excess / (cone.distance * cos + root);
-    let sin2_alpha = (t * t * sin2).min(1.0);
-    around(-cone.direction, sin2_alpha / (1.0 + (1.0 - sin2_alpha).sqrt()), turns)
-}
-
-/// Density over the area of [`sphere_normal`].
-fn sphere_density(sphere: &Sphere, view: &View, normal: DVec3) -> f64 {
-    let even = 1.0 / (4.0 * PI * sphere.radius * sphere.radius);
-    let Some(cone) = SphereCap::of(sphere, view) else { return even };
-    let offset = sphere.radius * (cone.distance * cone.direction + normal);
-    let distance2 = offset.length_squared();
-    let cos = -offset.dot(normal) / distance2.sqrt();
-    let seen = if cos > 0.0 { cos / (TAU * cone.height * distance2) } else { 0.0 };
-    cone.even * even + (1.0 - cone.even) * seen
 }

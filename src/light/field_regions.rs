@@ -11,7 +11,7 @@ use glam::DVec3;
 use super::aim::Link;
 use super::aim::field::{FieldAim, FieldWay, LEAST_AROUND};
 use super::emitter::{Emitter, Extent};
-use super::lights::{ChosenLight, Lights};
+use super::lights::{ChosenLight, Lights, OtherLight};
 use super::receiver::Receiver;
 use super::regions::shape::Region;
 use super::sample::{EmitterHit, LightRayEnd, LightSample, Target};
@@ -244,18 +244,18 @@ impl<F: IndexField> LightSampler for FieldRegions<F> {
                 let (direction, density) = self.view(receiver, emitter)?.sample([u, v])?;
                 Some(region_sample(emitter, direction, pmf * density))
             }
-            ChosenLight::Point(_, light, index, pmf) => {
+            ChosenLight::Other(OtherLight::Point(_, light, index, pmf)) => {
                 let y = light.position()?;
                 let (link, way_pmf) = self.link(x, FieldTarget::Place(y), v)?;
                 // Intensities are those of the light's own frame.
                 let geometry_factor = link.geometry_factor / self.aim.field().area_scale(y);
                 Some(point_sample((light, index), &Link { geometry_factor, ..link }, pmf * way_pmf))
             }
-            ChosenLight::Distant(side, light, inverse_pmf) => {
+            ChosenLight::Other(OtherLight::Distant(side, light, inverse_pmf)) => {
                 let (link, way_pmf) = self.link(x, FieldTarget::Infinity(-light.direction()?), v)?;
                 Some(distant_sample((side, light, inverse_pmf), &link, way_pmf))
             }
-            ChosenLight::Sky(..) => None,
+            ChosenLight::Other(OtherLight::Sky(..)) => None,
         }
     }
 

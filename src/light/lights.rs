@@ -70,6 +70,12 @@ impl Transmission {
 pub(super) enum ChosenLight<'a> {
     /// A surface.
     Surface(&'a Emitter, f64),
+    /// Another light.
+    Other(OtherLight<'a>),
+}
+
+/// A light that is no surface and was chosen, and the probability of the choice.
+pub(super) enum OtherLight<'a> {
     /// A punctual light in the world, with its index.
     Point(Side, &'a Punctual, u32, f64),
     /// A punctual light at infinity; the inverse of the probability.
@@ -291,7 +297,7 @@ impl Lights {
             None => {
                 let point = index - self.emitters.len() as u32;
                 let (side, light) = &self.points[point as usize];
-                ChosenLight::Point(*side, light, point, pmf)
+                ChosenLight::Other(OtherLight::Point(*side, light, point, pmf))
             }
         };
         (light, u)
@@ -308,7 +314,8 @@ impl Lights {
             let count = self.distant.len();
             let (index, u) = among(count, rescale(u, in_world, distant));
             let (side, light) = &self.distant[index];
-            return Some((ChosenLight::Distant(*side, light, count as f64 / distant), u));
+            let light = OtherLight::Distant(*side, light, count as f64 / distant);
+            return Some((ChosenLight::Other(light), u));
         }
         let count = self.skies.len();
         if count == 0 {
@@ -316,7 +323,7 @@ impl Lights {
         }
         let (index, u) = among(count, rescale(u, in_world + distant, sky));
         let (side, picture) = &self.skies[index];
-        Some((ChosenLight::Sky(*side, picture, sky / count as f64), u))
+        Some((ChosenLight::Other(OtherLight::Sky(*side, picture, sky / count as f64)), u))
     }
 
     /// The emitter that a primitive is, with its index.

@@ -11,15 +11,14 @@
 use glam::DVec3;
 
 use super::aim::{Aim, Link};
-use super::emitter::{Emitter, Form, Spot, Standpoint, TrianglePoints, UnitSquare, View, ViewedTriangle};
-use super::lights::{Choosing, ChosenLight, Lights};
+use super::emitter::{Emitter, Form, Standpoint, View};
+use super::lights::{Choosing, ChosenLight, Lights, OtherLight};
 use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightQuery, LightRayEnd, LightSample, Target};
 use super::sky::{Sky, SkySample};
+use super::spots::{SphereParts, SpherePoints, Spot, SpotQueue, TrianglePoints, ViewedTriangle};
 use crate::geometry::Shape;
-use crate::math::columns::Columns;
-use crate::math::kernel::map;
 use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
 
@@ -66,54 +65,36 @@ pub trait LightSampler: Send + Sync {
 #[derive(Default)]
 pub struct Sampling {
     choosing: Choosing,
-    triangles: Columns<ViewedTriangle>,
-    numbers: Columns<UnitSquare>,
-    spots: Columns<Spot>,
+    triangles: SpotQueue<ViewedTriangle>,
+    spheres: SpotQueue<SphereParts>,
 }
 
 impl<A: Aim> LightSampler for A {
     fn sample(&self, lights: &Lights, receiver: &Receiver, [u, v]: [f64; 2]) -> Option<LightSample> {
         let (choice, u) = lights.choose(receiver, u)?;
-        sample_chosen(self, receiver, choice, [u, v])
+        let x = self.place(receiver.on.side(), receiver.position);
+        match choice {
+            ChosenLight::Surface(emitter, pmf) => {
+                let (aimed, view, v) = aim_at_emitter(self, (&x, receiver), (emitter, pmf), v)?;
+                aimed.sample(self, &x, &emitter.sample(&view, u, v)?)
+            }
+            ChosenLight::Other(light) => sample_other(self, &x, light, [u, v]),
+        }
     }
 
     fn sample_all(
         &self,
         lights: &Lights,
         queries: &[LightQuery],
-        Sampling { choosing, triangles, numbers, spots }: &mut Sampling,
+        sampling: &mut Sampling,
         samples: &mut Vec<Option<LightSample>>,
     ) {
-        let first = samples.len();
-        // Triangles along straight lines, of which there is one each.
-        let mut straight: Vec<(usize, &Emitter, f64)> = Vec::with_capacity(queries.len());
-        triangles.grow(queries.len());
-        numbers.grow(queries.len());
-        lights.choose_all(queries, choosing, |place, choice| {
-            let LightQuery { receiver, numbers: [_, v] } = &queries[place];
-            samples.push(choice.and_then(|(choice, u)| {
-                if let ChosenLight::Surface(emitter, pmf) = choice
-                    && let Form::Whole(Shape::Triangle([a, b, c])) = emitter.form
-                    && let Some(x) = self.straight_from(&self.place(receiver.on.side(), receiver.position))
-                {
-                    triangles.set(straight.len(), ViewedTriangle { a, b, c, x });
-                    numbers.set(straight.len(), UnitSquare { u, v: *v });
-                    straight.push((place, emitter, pmf));
-                    return None;
-                }
-                sample_chosen(self, receiver, choice, [u, *v])
-            }));
-        });
-        let lanes = straight.len();
-        spots.grow(lanes);
-        map(&TrianglePoints, triangles.blocks(lanes), numbers.blocks(lanes), spots.blocks_mut(lanes));
-        for (lane, (place, emitter, pmf)) in straight.into_iter().enumerate() {
-            let (spot, receiver) = (spots.get(lane), &queries[place].receiver);
-            if spot.density > 0.0 {
-                let x = self.place(receiver.on.side(), receiver.position);
-                samples[first + place] =
-                    light_of_spot(self, (&x, Standpoint::Apart), (emitter, pmf), 0, &spot);
-            }
+        sampling.triangles.reserve(queries.len());
+        sampling.spheres.reserve(queries.len());
+        if A::SIDE_BY_SIDE {
+            sample_side_by_side(self, (lights, queries), sampling, samples);
+        } else {
+            sample_spots_side_by_side(self, (lights, queries), sampling, samples);
         }
     }
 
@@ -166,60 +147,171 @@ impl<A: Aim> LightSampler for A {
     }
 }
 
-/// A sample of a light that was chosen, from two numbers in [0, 1).
+/// [`LightSampler::sample_all`] of an aim that finds rays one by one: only points on emitters are chosen side by side.
 #[inline(always)]
-fn sample_chosen<A: Aim>(
+fn sample_spots_side_by_side<A: Aim>(
     aim: &A,
-    receiver: &Receiver,
-    choice: ChosenLight,
-    [u, v]: [f64; 2],
-) -> Option<LightSample> {
-    let x = aim.place(receiver.on.side(), receiver.position);
-    match choice {
-        ChosenLight::Surface(emitter, pmf) => sample_emitter(aim, (&x, receiver), (emitter, pmf), [u, v]),
-        ChosenLight::Point(side, light, index, pmf) => sample_point(aim, &x, (side, light, index, pmf), v),
-        ChosenLight::Distant(side, light, inverse_pmf) => {
-            sample_distant(aim, &x, (side, light, inverse_pmf), v)
-        }
-        ChosenLight::Sky(side, sky, pmf) => sample_sky(aim, &x, (side, sky, pmf), [u, v]),
+    (lights, queries): (&Lights, &[LightQuery]),
+    Sampling { choosing, triangles, spheres }: &mut Sampling,
+    samples: &mut Vec<Option<LightSample>>,
+) {
+    let first = samples.len();
+    let place_of = |receiver: &Receiver| aim.place(receiver.on.side(), receiver.position);
+    // Triangles along straight lines, of which there is one each.
+    let mut on_triangles: Vec<(usize, &Emitter, f64)> = Vec::with_capacity(queries.len());
+    let mut on_spheres: Vec<(usize, Aimed)> = Vec::new();
+    lights.choose_all(queries, choosing, |place, choice| {
+        let LightQuery { receiver, numbers: [_, v] } = &queries[place];
+        samples.push(choice.and_then(|(choice, u)| {
+            let x = place_of(receiver);
+            let (emitter, pmf) = match choice {
+                ChosenLight::Surface(emitter, pmf) => (emitter, pmf),
+                ChosenLight::Other(light) => return sample_other(aim, &x, light, [u, *v]),
+            };
+            if let Form::Whole(Shape::Triangle([a, b, c])) = emitter.form
+                && let Some(x) = aim.straight_from(&x)
+            {
+                triangles.push(ViewedTriangle { a, b, c, x }, [u, *v]);
+                on_triangles.push((place, emitter, pmf));
+                return None;
+            }
+            let (aimed, view, v) = aim_at_emitter(aim, (&x, receiver), (emitter, pmf), *v)?;
+            if let Some(parts) = emitter.sphere_parts(&view) {
+                spheres.push(parts, [u, v]);
+                on_spheres.push((place, aimed));
+                return None;
+            }
+            aimed.sample(aim, &x, &emitter.sample(&view, u, v)?)
+        }));
+    });
+    triangles.choose(&TrianglePoints, |number, spot| {
+        let (place, emitter, pmf) = on_triangles[number];
+        let aimed = Aimed { emitter, standpoint: Standpoint::Apart, winding: 0, pmf };
+        samples[first + place] = aimed.sample(aim, &place_of(&queries[place].receiver), &spot);
+    });
+    spheres.choose(&SpherePoints, |number, spot| {
+        let (place, aimed) = &on_spheres[number];
+        samples[first + place] = aimed.sample(aim, &place_of(&queries[*place].receiver), &spot);
+    });
+}
+
+/// [`LightSampler::sample_all`] of an aim that finds places and rays side by side, too.
+#[inline(always)]
+fn sample_side_by_side<A: Aim>(
+    aim: &A,
+    (lights, queries): (&Lights, &[LightQuery]),
+    Sampling { choosing, spheres, .. }: &mut Sampling,
+    samples: &mut Vec<Option<LightSample>>,
+) {
+    let first = samples.len();
+    let mut receivers = Vec::with_capacity(queries.len());
+    let receiver = |LightQuery { receiver, .. }: &LightQuery| (receiver.on.side(), receiver.position);
+    aim.place_all(queries.iter().map(receiver), &mut receivers);
+    // Emitters with the places of their receivers; the numbers of those that are spheres, and spots on the others.
+    let mut targets: Vec<(usize, Aimed)> = Vec::with_capacity(queries.len());
+    let (mut on_spheres, mut spots) = (Vec::new(), Vec::with_capacity(queries.len()));
+    lights.choose_all(queries, choosing, |place, choice| {
+        let (LightQuery { receiver, numbers: [_, v] }, x) = (&queries[place], &receivers[place]);
+        samples.push(choice.and_then(|(choice, u)| {
+            let (emitter, pmf) = match choice {
+                ChosenLight::Surface(emitter, pmf) => (emitter, pmf),
+                ChosenLight::Other(light) => return sample_other(aim, x, light, [u, *v]),
+            };
+            let (aimed, view, v) = aim_at_emitter(aim, (x, receiver), (emitter, pmf), *v)?;
+            if let Some(parts) = emitter.sphere_parts(&view) {
+                spheres.push(parts, [u, v]);
+                on_spheres.push(targets.len());
+            } else {
+                spots.push((targets.len(), emitter.sample(&view, u, v)?));
+            }
+            targets.push((place, aimed));
+            None
+        }));
+    });
+    spheres.choose(&SpherePoints, |number, spot| spots.push((on_spheres[number], spot)));
+    let (mut ends, mut links) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
+    aim.place_all(spots.iter().map(|(number, spot)| targets[*number].1.side_and_position(spot)), &mut ends);
+    let pair = |((number, _), y): (&(usize, Spot), A::Place)| {
+        let (place, aimed) = &targets[*number];
+        (receivers[*place], y, aimed.winding)
+    };
+    let pairs: Vec<_> = spots.iter().zip(ends).map(pair).collect();
+    aim.link_all(&pairs, &mut links);
+    for ((number, spot), link) in spots.iter().zip(&links) {
+        let (place, aimed) = &targets[*number];
+        samples[first + place] = link.as_ref().and_then(|link| aimed.light(spot, link));
     }
 }
 
-fn sample_emitter<A: Aim>(
+/// An emitter that a ray is aimed at.
+#[derive(Clone, Copy)]
+struct Aimed<'a> {
+    emitter: &'a Emitter,
+    /// Side of it on which the receiver is.
+    standpoint: Standpoint,
+    /// Winding number of the ray.
+    winding: u32,
+    /// Probability of emitter and winding number.
+    pmf: f64,
+}
+
+/// Chooses how a ray winds to an emitter that was chosen with a probability, from a number in [0, 1): with it come the view
+/// that tells of points on the emitter, and the number for use again.
+#[inline(always)]
+fn aim_at_emitter<'a, A: Aim>(
     aim: &A,
     (x, receiver): (&A::Place, &Receiver),
-    (emitter, pmf): (&Emitter, f64),
-    [u, v]: [f64; 2],
-) -> Option<LightSample> {
-    let side = emitter.primitive.side();
-    let middle = aim.place(side, emitter.middle());
+    (emitter, pmf): (&'a Emitter, f64),
+    v: f64,
+) -> Option<(Aimed<'a>, View, f64)> {
+    let middle = aim.place(emitter.primitive.side(), emitter.middle());
     let (winding, winding_pmf, v) = choose_winding(aim, x, &middle, v)?;
     let standpoint = emitter.standpoint(receiver);
     let view = view(aim, (emitter, standpoint), x, &middle, winding);
-    let spot = emitter.sample(&view, u, v)?;
-    light_of_spot(aim, (x, standpoint), (emitter, pmf * winding_pmf), winding, &spot)
+    Some((Aimed { emitter, standpoint, winding, pmf: pmf * winding_pmf }, view, v))
 }
 
-/// Light of a spot of an emitter along a ray of a winding number, which were both chosen with a probability.
-#[inline(always)]
-fn light_of_spot<A: Aim>(
-    aim: &A,
-    (x, standpoint): (&A::Place, Standpoint),
-    (emitter, pmf): (&Emitter, f64),
-    winding: u32,
-    spot: &Spot,
-) -> Option<LightSample> {
-    let link = aim.link(x, &aim.place(emitter.primitive.side(), spot.position), winding)?;
-    let cos = -link.arrival.dot(spot.normal);
-    if !emitter.is_lit_by(cos, standpoint) {
-        return None;
+impl Aimed<'_> {
+    /// Side and position of a spot on the emitter.
+    #[inline(always)]
+    fn side_and_position(&self, spot: &Spot) -> (Side, DVec3) {
+        (self.emitter.primitive.side(), spot.position)
     }
-    let density = pmf * spot.density / (link.geometry_factor * cos.abs());
-    Some(LightSample {
-        direction: link.direction,
-        target: Target::Surface(emitter.primitive, spot.position),
-        light: emitter.incoming(density),
-    })
+
+    /// The sample at a spot for a receiver at `x`.
+    #[inline(always)]
+    fn sample<A: Aim>(&self, aim: &A, x: &A::Place, spot: &Spot) -> Option<LightSample> {
+        let (side, position) = self.side_and_position(spot);
+        self.light(spot, &aim.link(x, &aim.place(side, position), self.winding)?)
+    }
+
+    /// Light of a spot along a link.
+    #[inline(always)]
+    fn light(&self, spot: &Spot, link: &Link) -> Option<LightSample> {
+        let &Self { emitter, standpoint, pmf, .. } = self;
+        let cos = -link.arrival.dot(spot.normal);
+        if !emitter.is_lit_by(cos, standpoint) {
+            return None;
+        }
+        let density = pmf * spot.density / (link.geometry_factor * cos.abs());
+        Some(LightSample {
+            direction: link.direction,
+            target: Target::Surface(emitter.primitive, spot.position),
+            light: emitter.incoming(density),
+        })
+    }
+}
+
+/// A sample of a light that is no surface, from two numbers in [0, 1).
+#[inline(always)]
+fn sample_other<A: Aim>(aim: &A, x: &A::Place, light: OtherLight, [u, v]: [f64; 2]) -> Option<LightSample> {
+    match light {
+        OtherLight::Point(side, light, index, pmf) => sample_point(aim, x, (side, light, index, pmf), v),
+        OtherLight::Distant(side, light, inverse_pmf) => {
+            sample_distant(aim, x, (side, light, inverse_pmf), v)
+        }
+        OtherLight::Sky(side, sky, pmf) => sample_sky(aim, x, (side, sky, pmf), [u, v]),
+    }
 }
 
 fn sample_point<A: Aim>(

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::rules::{Lanes, RULES, rule};
 use super::weak::WeakBending;
 use crate::math::chebyshev::Chebyshev;
+use crate::math::columns::columns;
 use crate::spacetime::ConformallyFlat;
 
 /// The lens map of a static, spherically symmetric spacetime with one photon sphere.
@@ -40,19 +41,21 @@ pub struct Lens {
     pub(super) weak: f64,
 }
 
-/// A place as the lens sees it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Site {
-    /// Unit vector from the centre.
-    pub(super) radial: DVec3,
-    /// Inverse isotropic radius in the chart of its own side; 0 at infinity.
-    pub(super) w: f64,
-    /// 1/B.
-    pub(super) q: f64,
-    /// s.
-    pub(super) s: f64,
-    /// Proper radius over that of a cylindrical throat, up to its ends; 0 without one.
-    pub(super) depth: f64,
+columns! {
+    /// A place as the lens sees it.
+    #[derive(PartialEq)]
+    pub struct Site => SiteBlock {
+        /// Unit vector from the centre.
+        radial: DVec3,
+        /// Inverse isotropic radius in the chart of its own side; 0 at infinity.
+        w: f64,
+        /// 1/B.
+        q: f64,
+        /// s.
+        s: f64,
+        /// Proper radius over that of a cylindrical throat, up to its ends; 0 without one.
+        depth: f64,
+    }
 }
 
 /// Terms of the polynomials: enough for rounding.
@@ -127,22 +130,42 @@ impl Lens {
 
     /// The place `x`, relative to the centre, not 0 and outside the horizon.
     pub fn site<M: ConformallyFlat>(&self, medium: &M, x: DVec3) -> Site {
+        let site = self.rough_site(medium, x);
+        if self.is_in_tube(&site) {
+            return Site { s: f64::EPSILON, depth: libm::log(x.length() / medium.throat()), ..site };
+        }
+        if self.is_near_photon_sphere(&site) {
+            let mut s = site.s;
+            for _ in 0..3 {
+                let [value, slope] = self.place.at(s);
+                s -= (value - site.w / self.photon_sphere) / slope;
+            }
+            return Site { s: s.abs().max(f64::EPSILON).copysign(s), ..site };
+        }
+        site
+    }
+
+    /// [`Self::site`] of what is neither near the photon sphere nor in a cylindrical throat.
+    #[inline(always)]
+    pub(super) fn rough_site<M: ConformallyFlat>(&self, medium: &M, x: DVec3) -> Site {
         let rho = x.length();
         let w = 1.0 / rho;
         let q = w / medium.index(w);
-        if self.through.is_none() && w > self.photon_sphere {
-            return Site { radial: x / rho, w, q, s: f64::EPSILON, depth: libm::log(rho / medium.throat()) };
-        }
         let size = (1.0 - self.critical * q).max(0.0).sqrt();
-        let mut s = if w > self.photon_sphere { -size } else { size };
-        if size < NEAR_PHOTON_SPHERE {
-            for _ in 0..3 {
-                let [value, slope] = self.place.at(s);
-                s -= (value - w / self.photon_sphere) / slope;
-            }
-            s = s.abs().max(f64::EPSILON).copysign(s);
-        }
+        let s = if w > self.photon_sphere { -size } else { size };
         Site { radial: x / rho, w, q, s, depth: self.tube }
+    }
+
+    /// True of places in a cylindrical throat.
+    #[inline(always)]
+    pub(super) fn is_in_tube(&self, site: &Site) -> bool {
+        self.through.is_none() && site.w > self.photon_sphere
+    }
+
+    /// True of places so near to the photon sphere that s loses digits.
+    #[inline(always)]
+    pub(super) fn is_near_photon_sphere(&self, site: &Site) -> bool {
+        site.s.abs() < NEAR_PHOTON_SPHERE
     }
 
     /// The place at infinity in the unit direction `radial`.

@@ -37,13 +37,16 @@ mod connection;
 mod map;
 mod rules;
 mod search;
+mod sites;
 mod swept;
 #[cfg(test)]
 mod tests;
 mod track;
 mod travel_time;
 mod weak;
+mod weak_rays;
 
 pub use connection::Connection;
 pub use map::{Lens, Site};
 pub use weak::WeakBending;
+pub use weak_rays::LensRay;

@@ -182,8 +182,7 @@ fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Fa
         } else {
             low = at;
         }
-        let met = (enough * track.swept.min(1.0)).max(ROUNDING * track.swept);
-        let is_met = excess.abs() <= met || shift.abs() <= f64::EPSILON * at.abs();
+        let is_met = excess.abs() <= met(enough, track.swept) || shift.abs() <= f64::EPSILON * at.abs();
         if is_met || high - low <= f64::EPSILON * high.abs() {
             break;
         }
@@ -207,4 +206,10 @@ fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Fa
         at = if is_inside { next } else { 0.5 * (low + high) };
     }
     best
+}
+
+/// Error of a swept angle that ends a search to this relative error.
+#[inline(always)]
+pub(super) fn met(enough: f64, swept: f64) -> f64 {
+    (enough * swept.min(1.0)).max(ROUNDING * swept)
 }

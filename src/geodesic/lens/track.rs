@@ -1,9 +1,10 @@
 //! A ray from one place to another in the plane of its orbit, by one number.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2};
 
 use super::map::{Lens, NEAR_PHOTON_SPHERE, Site};
-use super::weak::{Bend, WEAK_RULE, WeakBending};
+use super::weak::WeakBending;
+use crate::math::sin_cos_turns;
 
 /// A ray from one place to another in the plane of its orbit.
 #[derive(Clone, Copy, Debug)]
@@ -28,37 +29,36 @@ impl Lens {
     #[inline(always)]
     pub(super) fn beside(&self, near: &Site, far: &Site, gamma: f64) -> Option<Track> {
         let (side, fit) = if near.s < 0.0 { (-1.0, &self.inside) } else { (1.0, &self.outside) };
-        let StraightLine { b, leaving, arriving, distance: d, sin, cos } = straight(near, far, gamma);
-        let db = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
+        let line = straight(near, far, gamma);
+        let StraightLine { b, leaving, arriving, distance: d, .. } = line;
+        let [db, turn] = line.changes(near, far);
         let m = self.critical / b;
-        // d/dγ of the angle at the far end.
-        let turn = far.q * (near.q * cos - far.q) / (d * d);
         let weak = self.bending.as_ref().filter(|_| side > 0.0);
         let shares = [self.critical * near.q, self.critical * far.q];
-        let bend =
-            weak.filter(|_| m <= 1.0).and_then(|weak| weak.bend(shares, [leaving[0], arriving[0]], gamma, m));
-        let (swept, slope) = if let Some(Bend { excess, by_m, at_ends: [at_near, at_far] }) = bend {
-            (gamma + excess, at_near * (1.0 + turn) - at_far * turn - by_m * db / b)
-        } else if let Some(weak) = weak.filter(|_| m > 1.0 && WeakBending::reaches(shares[0])) {
-            let gap = self.critical * (near.q - far.q);
-            let (swept, slope) = weak.pass(&self.rules[WEAK_RULE], (shares[0], gap), m);
-            (swept, -slope * m / b * db)
-        } else if m > 1.0 {
-            // Far away s is 1 to rounding.
-            let sum = (near.s + far.s).abs();
-            let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
-                self.critical * (near.q - far.q) / sum
+        let cosines = [leaving[0], arriving[0]];
+        let (swept, slope) =
+            if let Some(weak) = weak.filter(|_| WeakBending::tells(shares[0], leaving[0], gamma, m)) {
+                weak.bend(shares, cosines, gamma, m).by_angle((gamma, turn), db / b)
+            } else if let Some(weak) = weak.filter(|_| m > 1.0 && WeakBending::reaches(shares[0])) {
+                let gap = self.critical * (near.q - far.q);
+                let (swept, slope) = weak.pass((shares[0], gap), m);
+                (swept, -slope * m / b * db)
+            } else if m > 1.0 {
+                // Far away s is 1 to rounding.
+                let sum = (near.s + far.s).abs();
+                let gap = if sum > 2.0 * NEAR_PHOTON_SPHERE {
+                    self.critical * (near.q - far.q) / sum
+                } else {
+                    (near.s - far.s).abs()
+                };
+                let (swept, slope) = self.monotone(fit, near.s, far.s, gap, m - 1.0);
+                (swept, -slope * m / b * db)
             } else {
-                (near.s - far.s).abs()
+                let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
+                let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
+                let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
+                (swept, at_near * (1.0 + turn) - at_far * turn + by_b * db)
             };
-            let (swept, slope) = self.monotone(fit, near.s, far.s, gap, m - 1.0);
-            (swept, -slope * m / b * db)
-        } else {
-            let [end, start] = [leaving, arriving].map(|[cos, sin]| -cos / (1.0 + sin));
-            let (swept, by_b) = self.turning(fit, (start, end, gamma), b, side);
-            let [at_near, at_far] = [near, far].map(|site| fit.at(site.s)[0] / site.s.abs());
-            (swept, at_near * (1.0 + turn) - at_far * turn + by_b * db)
-        };
         let outwards = |[cos, sin]: [f64; 2]| [side * cos, sin];
         let (start, end) = (outwards(leaving), outwards(arriving));
         let track = Track { swept, b, start, end, rate: slope * d, distance: d };
@@ -143,10 +143,20 @@ pub(super) struct StraightLine {
     cos: f64,
 }
 
+impl StraightLine {
+    /// Changes with the angle that it sweeps: of the impact parameter, and of the angle to the radius at its end.
+    #[inline(always)]
+    pub(super) fn changes(&self, near: &Site, far: &Site) -> [f64; 2] {
+        let Self { distance: d, sin, cos, .. } = *self;
+        let b = (cos * d * d - near.q * far.q * sin * sin) / (d * d * d);
+        [b, far.q * (near.q * cos - far.q) / (d * d)]
+    }
+}
+
 /// The straight line between two places that are seen under the angle `gamma`.
 #[inline(always)]
 pub(super) fn straight(near: &Site, far: &Site, gamma: f64) -> StraightLine {
-    let (half_sin, half_cos) = libm::sincos(0.5 * gamma);
+    let (half_sin, half_cos) = sin_cos_turns::sin_cos(gamma * (0.25 * FRAC_1_PI));
     let (sin, versine) = (2.0 * half_sin * half_cos, 2.0 * half_sin * half_sin);
     let cos = 1.0 - versine;
     let distance = ((near.q - far.q).powi(2) + 2.0 * near.q * far.q * versine).sqrt();

@@ -15,9 +15,9 @@
 
 use std::f64::consts::PI;
 
-use super::rules::{LANES, Lanes};
 use crate::geodesic::areal_series::small_sinc_cos;
 use crate::math::chebyshev::Chebyshev;
+use crate::math::quadrature::gauss_legendre;
 
 /// κ outside of a sphere around the photon sphere.
 #[derive(Clone, Debug)]
@@ -26,6 +26,8 @@ pub struct WeakBending {
     critical: f64,
     /// c_k, from k = 1 on.
     terms: [f64; TERMS],
+    /// Nodes and weights of a Gauss–Legendre rule that is as good as the polynomial.
+    rule: [(f64, f64); NODES],
 }
 
 /// Bending of a ray that may turn.
@@ -39,35 +41,30 @@ pub(super) struct Bend {
     pub(super) at_ends: [f64; 2],
 }
 
+impl Bend {
+    /// The angle swept, and its derivative by that of the straight line, `gamma`, with which the angle at the far end changes
+    /// by `turn` and ln b by `db`.
+    #[inline(always)]
+    pub(super) fn by_angle(&self, (gamma, turn): (f64, f64), db: f64) -> (f64, f64) {
+        let Self { excess, by_m, at_ends: [at_near, at_far] } = *self;
+        (gamma + excess, at_near * (1.0 + turn) - at_far * turn - by_m * db)
+    }
+}
+
 /// Terms of the polynomial.
 const TERMS: usize = 16;
 /// Largest b_c/B on a ray.
 const REACH: f64 = 0.75;
-/// Index of the rule of 8 nodes: as good as the polynomial.
-pub(super) const WEAK_RULE: usize = 1;
+/// Nodes of the rule.
+const NODES: usize = 8;
 /// Least angle swept by the straight line, radians: below, rounding weighs more than the tolerances that terms allow.
 const SHORTEST: f64 = 1e-8;
 
-/// Calls a closure for each term, written out: only straight-line code runs lane beside lane.
-macro_rules! each_term {
-    ($add:ident) => {
-        const { assert!(TERMS == 16, "write out all terms") };
-        $add(0);
-        $add(1);
-        $add(2);
-        $add(3);
-        $add(4);
-        $add(5);
-        $add(6);
-        $add(7);
-        $add(8);
-        $add(9);
-        $add(10);
-        $add(11);
-        $add(12);
-        $add(13);
-        $add(14);
-        $add(15);
+/// Calls a closure for each number below a constant, written out: only straight-line code runs lane beside lane.
+macro_rules! each {
+    ($add:ident below $count:ident: $($i:literal)*) => {
+        const { assert!($count == [$($i),*].len(), "write out all") };
+        $($add($i);)*
     };
 }
 
@@ -78,7 +75,9 @@ impl WeakBending {
         let powers = whole.trimmed(tolerance).powers();
         let mut terms = [0.0; TERMS];
         terms.get_mut(..powers.len())?.copy_from_slice(&powers);
-        Some(Self { critical, terms })
+        let mut rule = [(0.0, 0.0); NODES];
+        rule.copy_from_slice(&gauss_legendre(NODES));
+        Some(Self { critical, terms, rule })
     }
 
     /// True if no place nearer than one of b_c/B = `share` is too near.
@@ -87,9 +86,16 @@ impl WeakBending {
         share <= REACH
     }
 
+    /// True if [`bend`](Self::bend) tells how a ray is bent: if it turns, and no part of it is too near, nor all of it too
+    /// short. Its straight line leaves the nearer place, of b_c/B = `near`, at this cosine to the radius and sweeps the angle
+    /// `gamma`.
+    #[inline(always)]
+    pub(super) fn tells(near: f64, leaving: f64, gamma: f64, m: f64) -> bool {
+        (m <= 1.0) & Self::reaches(if leaving < 0.0 { m } else { near }) & (gamma > SHORTEST)
+    }
+
     /// The bend of a ray of m ≤ 1 between two places with these b_c/B, that of the nearer one first: of these cosines of
-    /// the angle to the radius, with the angle `gamma` between them along a straight line. `None` if a part of it is too
-    /// near, or all of it too short.
+    /// the angle to the radius, with the angle `gamma` between them along a straight line.
     #[inline(always)]
     pub(super) fn bend(
         &self,
@@ -97,10 +103,7 @@ impl WeakBending {
         [leaving, arriving]: [f64; 2],
         gamma: f64,
         m: f64,
-    ) -> Option<Bend> {
-        if !(Self::reaches(if leaving < 0.0 { m } else { near }) && gamma > SHORTEST) {
-            return None;
-        }
+    ) -> Bend {
         let (leaving, arriving, m2) = (m * leaving, m * arriving, m * m);
         let (mut near_power, mut far_power) = (1.0, 1.0);
         // k m^k J_k of the last k, and of the one before.
@@ -118,34 +121,32 @@ impl WeakBending {
             at_near += self.terms[i] * near_power;
             at_far += self.terms[i] * far_power;
         };
-        each_term!(add);
-        let bend = Bend { excess, by_m, at_ends: [at_near, at_far] };
-        Some(bend)
+        each!(add below TERMS: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
+        Bend { excess, by_m, at_ends: [at_near, at_far] }
     }
 
-    /// φ and dφ/dm of a ray of m > 1 between two places with b_c/B of at most `near`, by how much less the other's is, by
-    /// a `rule` of nodes.
+    /// φ and dφ/dm of a ray of m > 1 between two places with b_c/B of at most `near`, by how much less the other's is.
     #[inline(always)]
-    pub(super) fn pass(&self, rule: &[(Lanes, Lanes)], (near, gap): (f64, f64), m: f64) -> (f64, f64) {
+    pub(super) fn pass(&self, (near, gap): (f64, f64), m: f64) -> (f64, f64) {
         let half = 0.5 * gap;
         let middle = near - half;
-        let mut sums = [0.0; 2];
-        for (nodes, weights) in rule {
-            let u = nodes.map(|node| middle + half * node);
-            let mut stretch = [0.0; LANES];
-            for term in self.terms.iter().rev() {
-                for lane in 0..LANES {
-                    stretch[lane] = (stretch[lane] + term) * u[lane];
-                }
-            }
-            for lane in 0..LANES {
-                let per_square = 1.0 / ((m - u[lane]) * (m + u[lane]));
-                let share = weights[lane] * (1.0 + stretch[lane]) * per_square.sqrt();
-                sums[0] += share;
-                sums[1] += share * per_square;
-            }
-        }
-        (half * sums[0], -m * half * sums[1])
+        let (mut swept, mut slope) = (0.0, 0.0);
+        let mut add = |i: usize| {
+            let (node, weight) = self.rule[i];
+            let u = middle + half * node;
+            let per_square = 1.0 / ((m - u) * (m + u));
+            let share = weight * self.stretch(u) * per_square.sqrt();
+            swept += share;
+            slope += share * per_square;
+        };
+        each!(add below NODES: 0 1 2 3 4 5 6 7);
+        (half * swept, -m * half * slope)
+    }
+
+    /// κ at a b_c/B.
+    #[inline(always)]
+    fn stretch(&self, u: f64) -> f64 {
+        1.0 + self.terms.iter().rev().fold(0.0, |sum, term| (sum + term) * u)
     }
 
     /// Cosine and sine of the angle that a ray of impact parameter `b` sweeps on its way to infinity, from a place with
@@ -171,7 +172,7 @@ impl WeakBending {
             half += self.terms[i] * (0.5 / k) * integral;
             power *= share;
         };
-        each_term!(add);
+        each!(add below TERMS: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
         let (sinc, c) = small_sinc_cos(half);
         let s = half * sinc;
         let (sin_bend, versine) = (2.0 * s * c, 2.0 * s * s);

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use super::beams::Beams;
 use super::{Aim, Approach, Link};
-use crate::geodesic::{Lens, Site};
+use crate::geodesic::{Lens, LensRay, Site};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Mouths, Side};
 
 /// Rays around the centre of a spacetime.
@@ -62,12 +62,24 @@ impl<M: ConformallyFlat> Lensed<M> {
         place.position.distance(self.mouths.center(place.side))
     }
 
+    /// A place in the world of a side, with its site there.
+    fn place_at(&self, (side, position): (Side, DVec3), site: Site) -> LensedPlace {
+        let radial = || (position - self.mouths.center(side)).normalize_or_zero();
+        LensedPlace { position, is_infinite: false, side, site: self.seen_near(side, site, radial) }
+    }
+
     /// The site of a side, as seen from the near side.
     fn seen_near(&self, side: Side, site: Site, radial: impl FnOnce() -> DVec3) -> Site {
         match side {
             Side::Near => site,
             Side::Far => site.beyond_throat(-self.mouths.turned(Side::Far, radial())),
         }
+    }
+
+    /// The link along a ray of the lens between two places.
+    fn link_along(&self, x: &LensedPlace, y: &LensedPlace, ray: &LensRay) -> Link {
+        let (direction, arrival) = (self.own(x, ray.direction), self.own(y, ray.arrival));
+        Link { direction, arrival, geometry_factor: ray.geometry_factor }
     }
 
     /// A unit direction at a place, from the chart of the near side to that of the place's own.
@@ -92,12 +104,21 @@ impl<M: ConformallyFlat> Lensed<M> {
 
 impl<M: ConformallyFlat> Aim for Lensed<M> {
     type Place = LensedPlace;
+    const SIDE_BY_SIDE: bool = true;
 
     fn place(&self, side: Side, x: DVec3) -> LensedPlace {
         let from = x - self.mouths.center(side);
-        let site = self.lens.site(&self.medium, from);
-        let site = self.seen_near(side, site, || from.normalize_or_zero());
-        LensedPlace { position: x, is_infinite: false, side, site }
+        self.place_at((side, x), self.lens.site(&self.medium, from))
+    }
+
+    fn place_all(&self, places: impl Iterator<Item = (Side, DVec3)>, found: &mut Vec<LensedPlace>) {
+        let places: Vec<_> = places.collect();
+        let mut number = 0;
+        let from = |&(side, x): &(Side, DVec3)| x - self.mouths.center(side);
+        self.lens.sites(&self.medium, places.iter().map(from), |site| {
+            found.push(self.place_at(places[number], site));
+            number += 1;
+        });
     }
 
     fn infinity(&self, AtInfinity { side, direction }: AtInfinity) -> LensedPlace {
@@ -143,13 +164,27 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
     }
 
     fn link(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> Option<Link> {
-        if self.is_hidden(y) {
-            return None;
+        let mut link = None;
+        if !self.is_hidden(y) {
+            let pair = [(x.site, y.site, winding)];
+            self.lens.join_all(&pair, |_, ray| link = ray.map(|ray| self.link_along(x, y, &ray)));
         }
-        let found = self.lens.connect(&x.site, &y.site, winding)?;
-        let geometry_factor = found.geometry_factor;
-        let (direction, arrival) = (self.own(x, found.direction), self.own(y, found.arrival));
-        Some(Link { direction, arrival, geometry_factor })
+        link
+    }
+
+    fn link_all(&self, pairs: &[(LensedPlace, LensedPlace, u32)], links: &mut Vec<Option<Link>>) {
+        let first = links.len();
+        links.resize(first + pairs.len(), None);
+        let visible: Vec<usize> = (0..pairs.len()).filter(|&at| !self.is_hidden(&pairs[at].1)).collect();
+        let sites = |&at: &usize| {
+            let (x, y, winding) = &pairs[at];
+            (x.site, y.site, *winding)
+        };
+        let sites: Vec<_> = visible.iter().map(sites).collect();
+        self.lens.join_all(&sites, |number, ray| {
+            let (x, y, _) = &pairs[visible[number]];
+            links[first + visible[number]] = ray.map(|ray| self.link_along(x, y, &ray));
+        });
     }
 
     fn classify(

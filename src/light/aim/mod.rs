@@ -41,10 +41,17 @@ pub struct Approach {
 /// Rays of a family of spacetimes between a receiver `x` and a place `y` of light, numbered by how they wind.
 pub trait Aim: Send + Sync {
     /// A place in the world or at infinity, with what is computed once for all rays to and from it.
-    type Place;
+    type Place: Copy;
+    /// True if many places and rays are found faster side by side, by [`Self::place_all`] and [`Self::link_all`].
+    const SIDE_BY_SIDE: bool;
 
     /// A place in the world of a side.
     fn place(&self, side: Side, x: DVec3) -> Self::Place;
+
+    /// [`Self::place`] of many, in order.
+    fn place_all(&self, places: impl Iterator<Item = (Side, DVec3)>, found: &mut Vec<Self::Place>) {
+        found.extend(places.map(|(side, x)| self.place(side, x)));
+    }
 
     /// A place at infinity.
     fn infinity(&self, there: AtInfinity) -> Self::Place;
@@ -65,6 +72,11 @@ pub trait Aim: Send + Sync {
 
     /// The ray with this winding number; `None` if there is none.
     fn link(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Option<Link>;
+
+    /// [`Self::link`] of many pairs of places with their winding numbers, in order.
+    fn link_all(&self, pairs: &[(Self::Place, Self::Place, u32)], links: &mut Vec<Option<Link>>) {
+        links.extend(pairs.iter().map(|(x, y, winding)| self.link(x, y, *winding)));
+    }
 
     /// Winding number and geometry factor of a ray that leaves `x` in `direction` and arrives at `y` travelling along
     /// `arrival`.

@@ -19,6 +19,7 @@ pub struct StraightPlace {
 
 impl Aim for StraightAim {
     type Place = StraightPlace;
+    const SIDE_BY_SIDE: bool = false;
 
     fn place(&self, side: Side, x: DVec3) -> StraightPlace {
         StraightPlace { position: x, is_infinite: false, side }

@@ -16,7 +16,7 @@ mod view;
 use glam::DVec3;
 
 use super::aim::Link;
-use super::lights::{ChosenLight, Lights};
+use super::lights::{ChosenLight, Lights, OtherLight};
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightRayEnd, LightSample, Target};
 use super::sampler::{
@@ -59,17 +59,17 @@ impl LightSampler for Regions {
                 let (direction, density) = view.sample([u, v])?;
                 Some(region_sample(emitter, self.place.outwards(direction), pmf * density))
             }
-            ChosenLight::Point(_, light, index, pmf) => {
+            ChosenLight::Other(OtherLight::Point(_, light, index, pmf)) => {
                 let to = light_place(&self.place, light.position()?)?;
                 let (link, ray_pmf) = self.link(receiver, &to, v)?;
                 Some(point_sample((light, index), &link, pmf * ray_pmf))
             }
-            ChosenLight::Distant(side, light, inverse_pmf) => {
+            ChosenLight::Other(OtherLight::Distant(side, light, inverse_pmf)) => {
                 let to = light_at_infinity(&self.place, -light.direction()?);
                 let (link, ray_pmf) = self.link(receiver, &to, v)?;
                 Some(distant_sample((side, light, inverse_pmf), &link, ray_pmf))
             }
-            ChosenLight::Sky(side, sky, pmf) => {
+            ChosenLight::Other(OtherLight::Sky(side, sky, pmf)) => {
                 let (index, tile, u) = sky.choose_tile(u)?;
                 let view = RegionView::of_sky(&self.place, &self.table, receiver, &tile, self.goes_around)?;
                 let (direction, density) = view.sample([u, v])?;

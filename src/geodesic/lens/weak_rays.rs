@@ -1,0 +1,242 @@
+//! Rays that are bent weakly, many side by side.
+//!
+//! The search of [`Lens::connect`] in straight-line code: two trials from the guess of weak bending on, the second by Newton's
+//! method, and cubic interpolation between them. What is not found for certain is searched for alone.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::map::{Lens, Site};
+use super::search::met;
+use super::track::{StraightLine, straight};
+use super::weak::WeakBending;
+use crate::math::columns::{LANES, Row, columns};
+use crate::math::half_turn;
+use crate::math::kernel::{Kernel, map};
+
+columns! {
+    /// A ray from one place to another.
+    #[derive(PartialEq)]
+    pub struct LensRay => LensRayBlock {
+        /// Unit direction at the first.
+        direction: DVec3,
+        /// Unit direction of travel at the second.
+        arrival: DVec3,
+        /// [`Connection::geometry_factor`](super::connection::Connection::geometry_factor).
+        geometry_factor: f64,
+    }
+}
+
+columns! {
+    /// How a ray winds.
+    pub struct Winding => WindingBlock {
+        /// Its winding number.
+        number: u32,
+    }
+}
+
+/// Kernel that finds rays; NaN where they must be searched for.
+struct WeakRays<'a> {
+    lens: &'a Lens,
+    bending: &'a WeakBending,
+}
+
+/// Two places on one side of the photon sphere, and the angle that a ray between them is to sweep.
+struct Ends<'a> {
+    near: &'a Site,
+    far: &'a Site,
+    swept: f64,
+}
+
+/// A ray by the angle that it sweeps as a straight line.
+#[derive(Clone, Copy)]
+struct Trial {
+    gamma: f64,
+    /// The angle that it sweeps, and the derivative.
+    swept: f64,
+    slope: f64,
+    /// True if that is known.
+    is_known: bool,
+}
+
+/// Part of the greatest angle of straight lines up to which rays are looked for.
+const NEAR_MOST: f64 = 0.98;
+/// Error of the interpolated slope, beside the part of it that comes from the cubic term.
+const SAFETY: f64 = 0.1;
+
+impl Lens {
+    /// The rays that join pairs of places with their winding numbers, as [`Self::connect`] finds them: calls `each` for every
+    /// pair.
+    pub fn join_all(&self, pairs: &[(Site, Site, u32)], mut each: impl FnMut(usize, Option<LensRay>)) {
+        let search = |&(x, y, winding): &(Site, Site, u32)| {
+            let found = self.connect(&x, &y, winding)?;
+            let (direction, arrival) = (found.direction, found.arrival);
+            Some(LensRay { direction, arrival, geometry_factor: found.geometry_factor })
+        };
+        let Some(bending) = &self.bending else {
+            return pairs.iter().enumerate().for_each(|(place, pair)| each(place, search(pair)));
+        };
+        for (number, pairs) in pairs.chunks(LANES).enumerate() {
+            let (mut sites, mut windings) =
+                (<(Site, Site) as Row>::Block::default(), WindingBlock::default());
+            for (lane, &(x, y, number)) in pairs.iter().enumerate() {
+                <(Site, Site)>::set(&mut sites, lane, (x, y));
+                Winding::set(&mut windings, lane, Winding { number });
+            }
+            let mut rays = LensRayBlock::default();
+            map(&WeakRays { lens: self, bending }, &[sites], &[windings], std::slice::from_mut(&mut rays));
+            for (lane, pair) in pairs.iter().enumerate() {
+                let ray = LensRay::get(&rays, lane);
+                let is_found = ray.geometry_factor > 0.0;
+                each(number * LANES + lane, if is_found { Some(ray) } else { search(pair) });
+            }
+        }
+    }
+}
+
+impl Kernel for WeakRays<'_> {
+    type A = (Site, Site);
+    type B = Winding;
+    type Out = LensRay;
+
+    #[inline(always)]
+    fn run(&self, (x, y): &(Site, Site), &Winding { number }: &Winding) -> LensRay {
+        let spin = x.radial.cross(y.radial);
+        let (sin, cos) = (spin.length(), x.radial.dot(y.radial));
+        let (angle, is_odd) = (half_turn::angle(sin, cos), number % 2 == 1);
+        let swept = f64::from(number) * PI + if is_odd { PI - angle } else { angle };
+        let is_reversed = y.q > x.q;
+        let near = if is_reversed { *y } else { *x };
+        let far = if is_reversed { *x } else { *y };
+        let ends = Ends { near: &near, far: &far, swept };
+        let most = PI - self.least(&near, &far);
+        let guess = self.lens.guess(&near, &far, swept, sin / (1.0 + cos));
+        let guess = if (guess > 0.0) & (guess < NEAR_MOST * most) { guess } else { NEAR_MOST * most };
+        let first = self.at(&ends, guess);
+        let second = self.at(&ends, first.gamma - first.shift(swept));
+        let (gamma, slope, is_good) = self.root(&ends, &first, &second);
+        let line = straight(&near, &far, gamma);
+        let [start, end] = [line.leaving, line.arriving];
+        let back = |[cos, sin]: [f64; 2]| [if is_reversed { -cos } else { cos }, sin];
+        let at_x = back(if is_reversed { end } else { start });
+        let at_y = back(if is_reversed { start } else { end });
+        let axis = spin / if is_odd { -sin } else { sin };
+        let vector = |radial: DVec3, [cos, sin]: [f64; 2]| {
+            // The axis is only as good as the angle between the places is large.
+            (cos * radial + sin * axis.cross(radial).normalize()).normalize()
+        };
+        let is_outside = (x.s > 0.0) & (y.s > 0.0) & (x.depth == y.depth);
+        let rate = slope * line.distance;
+        let factor = line.b * x.q * x.q * if y.w > 0.0 { y.w * y.w } else { 1.0 } / (sin * rate);
+        let is_found = is_good & is_outside & (gamma > 0.0) & (gamma < most) & (rate > 0.0);
+        LensRay {
+            direction: vector(x.radial, at_x),
+            arrival: vector(y.radial, at_y),
+            geometry_factor: if is_found { factor } else { f64::NAN },
+        }
+    }
+}
+
+impl Trial {
+    /// How far it is beyond the ray that sweeps an angle, by Newton's method.
+    #[inline(always)]
+    fn shift(&self, swept: f64) -> f64 {
+        let excess = self.swept - swept;
+        excess * (1.0 + 0.5 * excess) / self.slope
+    }
+}
+
+impl WeakRays<'_> {
+    /// π less the angle that the critical ray sweeps as a straight line.
+    #[inline(always)]
+    fn least(&self, near: &Site, far: &Site) -> f64 {
+        let critical = |site: &Site| {
+            let s2 = site.s * site.s;
+            [1.0 - s2, (s2 * (2.0 - s2)).sqrt()]
+        };
+        let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
+        half_turn::angle(near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin)
+    }
+
+    /// The ray between two places whose straight line sweeps the angle `gamma`.
+    #[inline(always)]
+    fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> Trial {
+        let line = straight(near, far, gamma);
+        let StraightLine { b, leaving, arriving, .. } = line;
+        let [change, turn] = line.changes(near, far);
+        let (critical, change) = (self.lens.critical, change / b);
+        let m = critical / b;
+        let shares = [critical * near.q, critical * far.q];
+        let bend = self.bending.bend(shares, [leaving[0], arriving[0]], gamma, m);
+        let (turning, turning_slope) = bend.by_angle((gamma, turn), change);
+        let (passing, passing_slope) = self.bending.pass((shares[0], critical * (near.q - far.q)), m);
+        let turns = m <= 1.0;
+        let passes = (m > 1.0) & WeakBending::reaches(shares[0]);
+        Trial {
+            gamma,
+            swept: if turns { turning } else { passing },
+            slope: if turns { turning_slope } else { -passing_slope * m * change },
+            is_known: passes | WeakBending::tells(shares[0], leaving[0], gamma, m),
+        }
+    }
+
+    /// The wanted ray from two trials, by cubic interpolation of gamma by the angle swept: the angle of its straight line and
+    /// the slope there, and true if they are good.
+    #[inline(always)]
+    fn root(&self, ends: &Ends, first: &Trial, second: &Trial) -> (f64, f64, bool) {
+        let (excess, step) = (second.swept - ends.swept, second.swept - first.swept);
+        // In steps from the second on.
+        let at = -excess / step;
+        let (rise, start, end) = (second.gamma - first.gamma, step / first.slope, step / second.slope);
+        let (square, cube) = (start + 2.0 * end - 3.0 * rise, start + end - 2.0 * rise);
+        let next = second.gamma + at * (end + at * (square + at * cube));
+        let slope = step / (end + at * (2.0 * square + 3.0 * at * cube));
+        let is_met = excess.abs() <= met(self.lens.enough, second.swept);
+        let left = SAFETY * (at.abs() * (cube.abs() + at.abs() * square.abs()) / end.abs());
+        let is_good = (is_met | (left < self.lens.enough)) & first.is_known & second.is_known;
+        if is_met { (second.gamma, second.slope, is_good) } else { (next, slope, is_good) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spacetime::{ConformallyFlat, Schwarzschild};
+
+    #[test]
+    fn rays_found_side_by_side_are_those_that_an_exact_search_finds() {
+        let hole = Schwarzschild::new(1.0);
+        let mut state = 5u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            2.0 * ((state >> 11) as f64 / (1u64 << 53) as f64) - 1.0
+        };
+        let exact = Lens::new(&hole, 1e-13).expect("a photon sphere");
+        for tolerance in [1e-5, 1e-6] {
+            let lens = Lens::new(&hole, tolerance).expect("a photon sphere");
+            let mut place = || {
+                let x = DVec3::new(random(), random(), random());
+                let radius = libm::exp(3.0 * (1.0 + random()));
+                lens.site(&hole, (hole.horizon() + radius) * x.normalize())
+            };
+            let pairs: Vec<_> = (0..20_000).map(|i| (place(), place(), u32::from(i % 8 == 0))).collect();
+            let mut joined = Vec::new();
+            lens.join_all(&pairs, |_, ray| joined.push(ray.expect("a ray")));
+            let mut side_by_side = 0;
+            for ((x, y, winding), ray) in pairs.iter().zip(&joined) {
+                let [alone, exact] = [&lens, &exact].map(|lens| lens.connect(x, y, *winding).expect("a ray"));
+                if ray.direction == alone.direction && ray.geometry_factor == alone.geometry_factor {
+                    continue;
+                }
+                side_by_side += 1;
+                let factor = (ray.geometry_factor / exact.geometry_factor - 1.0).abs();
+                let directions = [(ray.direction, exact.direction), (ray.arrival, exact.arrival)]
+                    .map(|(a, b)| a.distance(b));
+                let is_good = factor < 10.0 * tolerance && directions.iter().all(|&off| off < tolerance);
+                assert!(is_good, "{x:?} to {y:?}, {winding}: {ray:?}, exactly {exact:?}");
+            }
+            assert!(3 * side_by_side > pairs.len(), "{side_by_side} at {tolerance}");
+        }
+    }
+}
