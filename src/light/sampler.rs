@@ -159,7 +159,7 @@ fn sample_spots_side_by_side<A: Aim>(
     let place_of = |receiver: &Receiver| aim.place(receiver.on.side(), receiver.position);
     // Triangles along straight lines, of which there is one each.
     let mut on_triangles: Vec<(usize, &Emitter, f64)> = Vec::with_capacity(queries.len());
-    let mut on_spheres: Vec<(usize, Aimed)> = Vec::new();
+    let mut on_spheres: Vec<(usize, EmitterTarget)> = Vec::new();
     lights.choose_all(queries, choosing, |place, choice| {
         let LightQuery { receiver, numbers: [_, v] } = &queries[place];
         samples.push(choice.and_then(|(choice, u)| {
@@ -186,7 +186,7 @@ fn sample_spots_side_by_side<A: Aim>(
     });
     triangles.choose(&TrianglePoints, |number, spot| {
         let (place, emitter, pmf) = on_triangles[number];
-        let aimed = Aimed { emitter, standpoint: Standpoint::Apart, winding: 0, pmf };
+        let aimed = EmitterTarget { emitter, standpoint: Standpoint::Apart, winding: 0, pmf };
         samples[first + place] = aimed.sample(aim, &place_of(&queries[place].receiver), &spot);
     });
     spheres.choose(&SpherePoints, |number, spot| {
@@ -208,7 +208,7 @@ fn sample_side_by_side<A: Aim>(
     let receiver = |LightQuery { receiver, .. }: &LightQuery| (receiver.on.side(), receiver.position);
     aim.place_all(queries.iter().map(receiver), &mut receivers);
     // Emitters with the places of their receivers; the numbers of those that are spheres, and spots on the others.
-    let mut targets: Vec<(usize, Aimed)> = Vec::with_capacity(queries.len());
+    let mut targets: Vec<(usize, EmitterTarget)> = Vec::with_capacity(queries.len());
     let (mut on_spheres, mut spots) = (Vec::new(), Vec::with_capacity(queries.len()));
     lights.choose_all(queries, choosing, |place, choice| {
         let (LightQuery { receiver, numbers: [_, v] }, x) = (&queries[place], &receivers[place]);
@@ -245,7 +245,7 @@ fn sample_side_by_side<A: Aim>(
 
 /// An emitter that a ray is aimed at.
 #[derive(Clone, Copy)]
-struct Aimed<'a> {
+struct EmitterTarget<'a> {
     emitter: &'a Emitter,
     /// Side of it on which the receiver is.
     standpoint: Standpoint,
@@ -263,15 +263,15 @@ fn aim_at_emitter<'a, A: Aim>(
     (x, receiver): (&A::Place, &Receiver),
     (emitter, pmf): (&'a Emitter, f64),
     v: f64,
-) -> Option<(Aimed<'a>, View, f64)> {
+) -> Option<(EmitterTarget<'a>, View, f64)> {
     let middle = aim.place(emitter.primitive.side(), emitter.middle());
     let (winding, winding_pmf, v) = choose_winding(aim, x, &middle, v)?;
     let standpoint = emitter.standpoint(receiver);
     let view = view(aim, (emitter, standpoint), x, &middle, winding);
-    Some((Aimed { emitter, standpoint, winding, pmf: pmf * winding_pmf }, view, v))
+    Some((EmitterTarget { emitter, standpoint, winding, pmf: pmf * winding_pmf }, view, v))
 }
 
-impl Aimed<'_> {
+impl EmitterTarget<'_> {
     /// Side and position of a spot on the emitter.
     #[inline(always)]
     fn side_and_position(&self, spot: &Spot) -> (Side, DVec3) {

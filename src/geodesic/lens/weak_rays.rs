@@ -51,7 +51,7 @@ struct Ends<'a> {
 
 /// A ray by the angle that it sweeps as a straight line.
 #[derive(Clone, Copy)]
-struct Trial {
+struct LineTrial {
     gamma: f64,
     /// The angle that it sweeps, and the derivative.
     swept: f64,
@@ -138,7 +138,7 @@ impl Kernel for WeakRays<'_> {
     }
 }
 
-impl Trial {
+impl LineTrial {
     /// How far it is beyond the ray that sweeps an angle, by Newton's method.
     #[inline(always)]
     fn shift(&self, swept: f64) -> f64 {
@@ -161,7 +161,7 @@ impl WeakRays<'_> {
 
     /// The ray between two places whose straight line sweeps the angle `gamma`.
     #[inline(always)]
-    fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> Trial {
+    fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> LineTrial {
         let line = straight(near, far, gamma);
         let StraightLine { b, leaving, arriving, .. } = line;
         let [change, turn] = line.changes(near, far);
@@ -173,7 +173,7 @@ impl WeakRays<'_> {
         let (passing, passing_slope) = self.bending.pass((shares[0], critical * (near.q - far.q)), m);
         let turns = m <= 1.0;
         let passes = (m > 1.0) & WeakBending::reaches(shares[0]);
-        Trial {
+        LineTrial {
             gamma,
             swept: if turns { turning } else { passing },
             slope: if turns { turning_slope } else { -passing_slope * m * change },
@@ -184,7 +184,7 @@ impl WeakRays<'_> {
     /// The wanted ray from two trials, by cubic interpolation of gamma by the angle swept: the angle of its straight line and
     /// the slope there, and true if they are good.
     #[inline(always)]
-    fn root(&self, ends: &Ends, first: &Trial, second: &Trial) -> (f64, f64, bool) {
+    fn root(&self, ends: &Ends, first: &LineTrial, second: &LineTrial) -> (f64, f64, bool) {
         let (excess, step) = (second.swept - ends.swept, second.swept - first.swept);
         // In steps from the second on.
         let at = -excess / step;
