@@ -1,7 +1,5 @@
 //! The first primitive that a segment meets, by a walk of the hierarchy.
 
-use glam::DVec3;
-
 use super::bvh::{LEAF_SIZE, Visitor};
 use super::cull::Cull;
 use super::scene::{Item, Placed, SharedMesh};
@@ -112,7 +110,7 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
         let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
         if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
-            self.along.end_at(self.segment.point(s));
+            self.along.end_at(self.segment.part_beside(s));
         }
     }
 }
@@ -196,7 +194,7 @@ fn cross_instance<S: Segment, L: Leaving>(
     let segment = segment.transformed(&placed.to_object);
     let mut along = Along::new(segment.chord());
     if before < f64::INFINITY {
-        along.end_at(segment.point(before));
+        along.end_at(segment.part_beside(before));
     }
     widest(NearestInside { shared, segment, along, origin_prim, item, hit: (f64::INFINITY, 0) })
 }
@@ -241,7 +239,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
             let (best, at) = self.hit;
             if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
                 self.hit = (s, slot);
-                self.along.end_at(self.segment.point(s));
+                self.along.end_at(self.segment.part_beside(s));
             }
         }
         self.along.until
@@ -255,7 +253,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
 
 /// Takes the next slot of a leaf from the lanes that `may` names by bytes.
 #[inline(always)]
-fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
+pub(super) fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
     let lane = may.trailing_zeros() / u8::BITS;
     *may &= may.wrapping_sub(1);
     (lane < LEAF_SIZE as u32).then_some((leaf * LEAF_SIZE) as u32 + lane)
@@ -285,11 +283,9 @@ impl Along {
         }
     }
 
-    /// Nothing beyond `point` matters any more.
+    /// Nothing beyond a `part` of the chord matters any more.
     #[inline(always)]
-    fn end_at(&mut self, point: DVec3) {
-        let along = self.chord.end - self.chord.start;
-        let part = (point - self.chord.start).dot(along) / along.length_squared();
+    fn end_at(&mut self, part: f64) {
         self.until = self.until.min(part);
         self.cull.end_at(part);
     }
