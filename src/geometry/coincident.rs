@@ -219,7 +219,8 @@ impl Upon<'_> {
                 if let Some(shared) = &geometry.shared[placed.mesh as usize] {
                     let line = line.transformed(&placed.to_object);
                     let chord = line.chord();
-                    let inside = UponTriangles { shared, line, cull: Cull::new(&chord), item: slot, upon: self };
+                    let inside =
+                        UponTriangles { shared, line, cull: Cull::new(&chord), item: slot, upon: self };
                     widest(inside);
                 }
             }

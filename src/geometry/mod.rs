@@ -37,7 +37,7 @@ pub use line::Line;
 pub use mesh::{Instance, Mesh};
 pub use mesh_point::MeshPoint;
 pub use primitives::{Disk, Primitives, Sphere, Surface};
-pub use query::{Need, Query};
+pub use query::{Need, Query, Sought};
 use scene::SharedMesh;
 pub use scene::{Counts, Geometry, Hit, PrimitiveId, SupportingSurface, SurfacePoint};
 pub use search::Search;

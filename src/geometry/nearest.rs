@@ -2,6 +2,7 @@
 
 use super::bvh::{LEAF_SIZE, Visitor};
 use super::cull::Cull;
+use super::query::Sought;
 use super::scene::{Item, Placed, SharedMesh};
 use super::{Chord, Geometry, Hit, PrimitiveId, Segment, Triangle};
 use crate::math::columns::Row;
@@ -86,16 +87,45 @@ pub(super) struct Nearest<'a, S, L> {
     segment: S,
     along: Along,
     origin_prim: L,
+    /// Any hit before this parameter is as good as the first.
+    any_before: f64,
     /// The first so far.
     pub(super) hit: Option<Hit>,
 }
+
+/// Difference of parameters that rounding does not make.
+const APART: f64 = 1e-6;
 
 impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
     /// Along `segment` (world), which leaves what `origin_prim` tells.
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, segment: &S, origin_prim: L) -> Self {
         let segment = segment.shifted(-geometry.origin);
-        Self { geometry, segment, along: Along::new(segment.chord()), origin_prim, hit: None }
+        let along = Along::new(segment.chord());
+        Self { geometry, segment, along, origin_prim, any_before: 0.0, hit: None }
+    }
+
+    /// Looks no longer than it takes to tell whether what is `sought` is so.
+    #[inline(always)]
+    pub(super) fn seek(&mut self, sought: Sought) {
+        match sought {
+            Sought::First => {}
+            Sought::Primitive(primitive) => {
+                let PrimitiveId { item, .. } = primitive.on(Side::Near);
+                if let Item::Triangle(_) = self.geometry.item(item) {
+                    let own = self.origin_prim.starts_on(PrimitiveId { item, triangle: 0 });
+                    let s = self.segment.cross_triangle(&self.geometry.triangle(item), own);
+                    self.consider(s, item, 0);
+                    self.any_before = self.hit.map_or(0.0, |hit| hit.s);
+                }
+            }
+            Sought::Point(point) => {
+                let s = self.segment.parameter_beside(point - self.geometry.origin);
+                self.any_before = s - APART;
+                self.along.end_at(s + APART);
+            }
+            Sought::Nothing => self.any_before = f64::INFINITY,
+        }
     }
 
     /// Chord to walk the hierarchy along.
@@ -104,16 +134,26 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
         self.along.chord
     }
 
+    /// Part of the chord that matters.
+    #[inline(always)]
+    pub(super) fn until(&self) -> f64 {
+        self.along.until
+    }
+
     /// Takes a crossing if it is the first.
     #[inline(always)]
     fn consider(&mut self, s: f64, item: u32, triangle: u32) {
         let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
         if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
-            self.along.end_at(self.segment.part_beside(s));
+            let is_enough = s < self.any_before;
+            self.along.end_at(if is_enough { BEFORE_ALL } else { self.segment.part_beside(s) });
         }
     }
 }
+
+/// Part of a chord that is before all of it.
+const BEFORE_ALL: f64 = -1.0;
 
 impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     #[inline(always)]

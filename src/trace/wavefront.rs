@@ -25,7 +25,7 @@ use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{PrimitiveId, Search};
+use crate::geometry::{PrimitiveId, Search, Sought};
 use crate::math::columns::{Columns, LANES};
 use crate::spacetime::AtInfinity;
 
@@ -254,8 +254,13 @@ impl<T: Transport> Wavefront<T> {
     }
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
-        let Self { flights, moves, search, paths, .. } = self;
-        intersect_all(transport, &job.scene.geometry, (flights, moves), search, paths.len(), counters);
+        let Self { flights, moves, search, paths, vertices, .. } = self;
+        let sought = |lane: usize| match vertices.get(lane) {
+            Some(vertex) if vertex.light_ray_in_flight => light::sought(job, vertex),
+            _ => Sought::First,
+        };
+        let geometry = &job.scene.geometry;
+        intersect_all(transport, geometry, (flights, moves), search, (paths.len(), sought), counters);
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
