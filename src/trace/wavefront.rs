@@ -26,6 +26,7 @@ use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::Work;
 use crate::geometry::{PrimitiveId, Search, Sought};
+use crate::light::Target;
 use crate::math::columns::{Columns, LANES};
 use crate::spacetime::AtInfinity;
 
@@ -293,7 +294,8 @@ impl<T: Transport> Wavefront<T> {
             |lane, outcome, carried| {
                 arrived[lane] = carried;
                 if let Some((illumination, vertex)) = lit(lane) {
-                    if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
+                    let may_have_passed = passed > 0 && matches!(vertex.target, Target::Point(_));
+                    if may_have_passed && events.lit[..passed].binary_search(&(lane, true)).is_ok() {
                         return;
                     }
                     match light::conclude(job, illumination, &mut paths[lane], vertex, outcome) {

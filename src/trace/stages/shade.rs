@@ -17,7 +17,9 @@ use super::look_up::look_up;
 use super::meet::{Meeting, meet};
 use super::record::record_hit;
 use super::scatter::take;
+use crate::geometry::Surface;
 use crate::light::{LightQuery, LightSample, Receiver, Target};
+use crate::scene::Baked;
 use crate::shade::{Bounce, Footprint, Material, Response, SortedHits};
 
 /// Takes a path through the surface it landed on: the unit direction of its next ray, which is a light ray or its
@@ -134,6 +136,9 @@ fn arrive<'a>(
     landing: &Landing,
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
 ) -> Option<(ScatterPoint, &'a Material)> {
+    if path.gathers == Gathers::Lamps && shows_no_lamps(job.scene, landing) {
+        return None;
+    }
     let mut meeting = meet(job.scene, landing, path.media);
     let width = job.cones.as_ref().map_or(0.0, |cones| cones.width(cone, landing));
     if job.has_maps {
@@ -154,6 +159,12 @@ fn arrive<'a>(
     }
     let (both_sides, grazing) = (material.lobe.transmits(), meeting.lean().max(material.lobe.gloss()));
     Some((ScatterPoint { meeting, width, is_specular, both_sides, grazing }, material))
+}
+
+/// True if a path that gathers only what the camera sees of lamps ends where it lands.
+fn shows_no_lamps(scene: &Baked, landing: &Landing) -> bool {
+    let Surface { material, .. } = scene.geometry.surface(landing.primitive);
+    scene.materials[material as usize].shows_no_lamps()
 }
 
 /// Query for light that may come to where a path arrived.
@@ -188,7 +199,7 @@ fn leave(
     let &ScatterPoint { ref meeting, width, is_specular, both_sides, grazing } = arrival;
     if let Some(cones) = &job.cones {
         let eta = meeting.incidence(landing.direction).eta;
-        *cone = cones.after((cone, path.sample), (landing, width), (bounce, eta), job.scene);
+        *cone = cones.after(cone, (landing, width), (bounce, eta), job.scene);
     }
     let Some(illumination) = &job.illumination else {
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
