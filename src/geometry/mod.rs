@@ -27,8 +27,10 @@ mod segment;
 mod shape;
 mod skim;
 mod small_scene;
+mod smooth;
 mod sphere;
 mod triangle;
+mod vertex_normals;
 
 pub use attributes::Attributes;
 pub use cross_section::{CrossSection, Plane};
@@ -45,4 +47,5 @@ pub use segment::{Chord, Segment};
 pub use shape::Shape;
 pub use skim::Skim;
 pub use small_scene::SideBySide;
+pub use smooth::SurfacesMet;
 pub use triangle::Triangle;
