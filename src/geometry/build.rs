@@ -53,6 +53,7 @@ impl Geometry {
             triangles: Columns::default(),
             facets: Facets::default(),
             flat: Vec::new(),
+            is_smooth: false,
             singles,
             spheres,
             disks,
@@ -77,6 +78,7 @@ impl Geometry {
             geometry.members().for_each(|(slot, _)| flat[slot as usize] = geometry.flat_surface(slot));
             geometry.flat = flat;
         }
+        geometry.is_smooth = geometry.find_smooth();
         geometry
     }
 

@@ -6,11 +6,13 @@
 
 use glam::DVec3;
 
-use super::bvh::{EMPTY, LEAF_SIZE, Visitor};
+use super::bvh::{LEAF_SIZE, Visitor};
+use super::cull::Cull;
 use super::distance::Reach;
-use super::nearest::Leaving;
+use super::nearest::{Leaving, next_slot};
 use super::scene::Item;
 use super::{Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere, SupportingSurface};
+use crate::math::kernel::widest;
 
 /// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of
 /// triangles they are in f32.
@@ -109,10 +111,8 @@ impl Geometry {
         let way = PROBE * self.slack(primitive, &support, point) * support.height(point).1;
         let local = point - self.origin;
         let line = Line { p0: local - way, p2: local + way };
-        let mut upon = Upon { geometry: self, line, found: Vec::new() };
-        self.bvh.walk(&line.chord(), 1.0, &mut upon);
-        let mut found = upon.found;
-        found.retain(|&other| other != primitive && self.coincide(primitive, other, point));
+        let mut found = widest(Upon::new(self, line, primitive));
+        found.retain(|&other| self.coincide(primitive, other, point));
         found.sort_by_key(|&other| self.given(other));
         found
     }
@@ -149,37 +149,55 @@ impl<S: Segment> Leaving for PastStart<'_, S> {
     }
 }
 
-/// All that a short line meets.
+/// All that a short line meets beside a primitive.
 struct Upon<'a> {
     geometry: &'a Geometry,
     /// Relative to the origin of the geometry.
     line: Line,
+    cull: Cull,
+    primitive: PrimitiveId,
     found: Vec<PrimitiveId>,
 }
 
+impl<'a> Upon<'a> {
+    fn new(geometry: &'a Geometry, line: Line, primitive: PrimitiveId) -> Self {
+        Self { geometry, line, cull: Cull::new(&line.chord()), primitive, found: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, s: f64, met: PrimitiveId) {
+        if s < f64::INFINITY && met != self.primitive {
+            self.found.push(met);
+        }
+    }
+}
+
+impl pulp::NullaryFnOnce for Upon<'_> {
+    type Output = Vec<PrimitiveId>;
+
+    #[inline(always)]
+    fn call(mut self) -> Vec<PrimitiveId> {
+        self.geometry.bvh.walk(&self.line.chord(), 1.0, &mut self);
+        self.found
+    }
+}
+
 impl Visitor for Upon<'_> {
+    #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
-        let Self { geometry, line, found } = self;
-        for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
-            if geometry.bvh.order()[slot as usize] == EMPTY {
-                continue;
+        let Self { geometry, line, .. } = *self;
+        if !geometry.singles.is_empty() {
+            let mut may = self.cull.may_cross::<false>(geometry.triangles.block(number));
+            while let Some(slot) = next_slot(&mut may, number) {
+                let s = line.cross_triangle(&geometry.triangle(slot), false);
+                self.add(s, PrimitiveId { item: slot, triangle: 0 });
             }
-            let s = match geometry.item(slot) {
-                Item::Triangle(_) => line.cross_triangle(&geometry.triangle(slot), false),
-                Item::Sphere(i) => line.cross_sphere(&geometry.spheres[i as usize].0, false),
-                Item::Disk(i) => line.cross_disk(&geometry.disks[i as usize].0, false),
-                Item::Instance(i) => {
-                    let placed = &geometry.placed[i as usize];
-                    if let Some(shared) = &geometry.shared[placed.mesh as usize] {
-                        let line = line.transformed(&placed.to_object);
-                        let mut triangles = UponTriangles { shared, line, item: slot, found };
-                        shared.bvh.walk(&line.chord(), 1.0, &mut triangles);
-                    }
-                    f64::INFINITY
+        }
+        if !geometry.others.is_empty() {
+            for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
+                if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
+                    self.other(slot);
                 }
-            };
-            if s < f64::INFINITY {
-                found.push(PrimitiveId { item: slot, triangle: 0 });
             }
         }
         1.0
@@ -188,22 +206,56 @@ impl Visitor for Upon<'_> {
     fn prefetch(&self, _: usize) {}
 }
 
+impl Upon<'_> {
+    /// Adds what is no triangle if the line meets it.
+    fn other(&mut self, slot: u32) {
+        let Self { geometry, line, .. } = *self;
+        let met = PrimitiveId { item: slot, triangle: 0 };
+        match geometry.item(slot) {
+            Item::Sphere(i) => self.add(line.cross_sphere(&geometry.spheres[i as usize].0, false), met),
+            Item::Disk(i) => self.add(line.cross_disk(&geometry.disks[i as usize].0, false), met),
+            Item::Instance(i) => {
+                let placed = &geometry.placed[i as usize];
+                if let Some(shared) = &geometry.shared[placed.mesh as usize] {
+                    let line = line.transformed(&placed.to_object);
+                    let chord = line.chord();
+                    let inside =
+                        UponTriangles { shared, line, cull: Cull::new(&chord), item: slot, upon: self };
+                    widest(inside);
+                }
+            }
+            Item::Triangle(_) => {}
+        }
+    }
+}
+
 /// All triangles of a placed mesh that a short line meets.
-struct UponTriangles<'a> {
+struct UponTriangles<'a, 'g> {
     shared: &'a SharedMesh,
     /// In the mesh's own coordinates.
     line: Line,
+    cull: Cull,
     item: u32,
-    found: &'a mut Vec<PrimitiveId>,
+    upon: &'a mut Upon<'g>,
 }
 
-impl Visitor for UponTriangles<'_> {
+impl pulp::NullaryFnOnce for UponTriangles<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        self.shared.bvh.walk(&self.line.chord(), 1.0, &mut self);
+    }
+}
+
+impl Visitor for UponTriangles<'_, '_> {
+    #[inline(always)]
     fn leaf(&mut self, number: usize) -> f64 {
-        for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
-            let triangle = self.shared.triangles.get(slot as usize);
-            if self.line.cross_triangle(&triangle, false) < f64::INFINITY {
-                self.found.push(PrimitiveId { item: self.item, triangle: slot });
-            }
+        let triangles = &self.shared.triangles;
+        let mut may = self.cull.may_cross::<false>(triangles.block(number));
+        while let Some(slot) = next_slot(&mut may, number) {
+            let s = self.line.cross_triangle(&triangles.get(slot as usize), false);
+            self.upon.add(s, PrimitiveId { item: self.item, triangle: slot });
         }
         1.0
     }

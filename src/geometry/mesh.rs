@@ -1,8 +1,9 @@
 //! Triangle meshes as loaded: indexed columns in their own (object) space.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::attributes::Attributes;
+use super::vertex_normals::VertexNormals;
 
 /// An indexed triangle mesh with one material, in object space.
 ///
@@ -30,18 +31,24 @@ pub struct Instance {
 }
 
 impl Mesh {
+    /// The vertex normals of `triangle`; `None` if the mesh has none.
+    #[inline(always)]
+    pub(super) fn vertex_normals(&self, triangle: u32) -> Option<VertexNormals> {
+        if self.normals.is_empty() {
+            return None;
+        }
+        let [a, b, c] =
+            self.triangles[triangle as usize].map(|vertex| Vec3::from(self.normals[vertex as usize]));
+        Some(VertexNormals { a, b, c })
+    }
+
     /// The vertex normals of `triangle`, weighted; `None` if the mesh has none, and nobody asks for the weights.
     pub(super) fn interpolated_normal(
         &self,
         triangle: u32,
         weights: impl FnOnce() -> [f64; 3],
     ) -> Option<DVec3> {
-        if self.normals.is_empty() {
-            return None;
-        }
-        let corners = self.triangles[triangle as usize];
-        let normal = |index: u32| DVec3::from(self.normals[index as usize].map(f64::from));
-        Some(corners.iter().zip(weights()).map(|(&index, weight)| weight * normal(index)).sum())
+        Some(self.vertex_normals(triangle)?.weighted(weights()))
     }
 
     /// Once triangles are in a hierarchy, only vertex normals, attributes and what finds them are still read.

@@ -1,9 +1,8 @@
 //! The first primitive that a segment meets, by a walk of the hierarchy.
 
-use glam::DVec3;
-
 use super::bvh::{LEAF_SIZE, Visitor};
 use super::cull::Cull;
+use super::query::Sought;
 use super::scene::{Item, Placed, SharedMesh};
 use super::{Chord, Geometry, Hit, PrimitiveId, Segment, Triangle};
 use crate::math::columns::Row;
@@ -88,16 +87,45 @@ pub(super) struct Nearest<'a, S, L> {
     segment: S,
     along: Along,
     origin_prim: L,
+    /// Any hit before this parameter is as good as the first.
+    any_before: f64,
     /// The first so far.
     pub(super) hit: Option<Hit>,
 }
+
+/// Difference of parameters that rounding does not make.
+const APART: f64 = 1e-6;
 
 impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
     /// Along `segment` (world), which leaves what `origin_prim` tells.
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, segment: &S, origin_prim: L) -> Self {
         let segment = segment.shifted(-geometry.origin);
-        Self { geometry, segment, along: Along::new(segment.chord()), origin_prim, hit: None }
+        let along = Along::new(segment.chord());
+        Self { geometry, segment, along, origin_prim, any_before: 0.0, hit: None }
+    }
+
+    /// Looks no longer than it takes to tell whether what is `sought` is so.
+    #[inline(always)]
+    pub(super) fn seek(&mut self, sought: Sought) {
+        match sought {
+            Sought::First => {}
+            Sought::Primitive(primitive) => {
+                let PrimitiveId { item, .. } = primitive.on(Side::Near);
+                if let Item::Triangle(_) = self.geometry.item(item) {
+                    let own = self.origin_prim.starts_on(PrimitiveId { item, triangle: 0 });
+                    let s = self.segment.cross_triangle(&self.geometry.triangle(item), own);
+                    self.consider(s, item, 0);
+                    self.any_before = self.hit.map_or(0.0, |hit| hit.s);
+                }
+            }
+            Sought::Point(point) => {
+                let s = self.segment.parameter_beside(point - self.geometry.origin);
+                self.any_before = s - APART;
+                self.along.end_at(s + APART);
+            }
+            Sought::Nothing => self.any_before = f64::INFINITY,
+        }
     }
 
     /// Chord to walk the hierarchy along.
@@ -106,16 +134,26 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
         self.along.chord
     }
 
+    /// Part of the chord that matters.
+    #[inline(always)]
+    pub(super) fn until(&self) -> f64 {
+        self.along.until
+    }
+
     /// Takes a crossing if it is the first.
     #[inline(always)]
     fn consider(&mut self, s: f64, item: u32, triangle: u32) {
         let hit = Hit { s, primitive: PrimitiveId { item, triangle } };
         if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
-            self.along.end_at(self.segment.point(s));
+            let is_enough = s < self.any_before;
+            self.along.end_at(if is_enough { BEFORE_ALL } else { self.segment.part_beside(s) });
         }
     }
 }
+
+/// Part of a chord that is before all of it.
+const BEFORE_ALL: f64 = -1.0;
 
 impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     #[inline(always)]
@@ -196,7 +234,7 @@ fn cross_instance<S: Segment, L: Leaving>(
     let segment = segment.transformed(&placed.to_object);
     let mut along = Along::new(segment.chord());
     if before < f64::INFINITY {
-        along.end_at(segment.point(before));
+        along.end_at(segment.part_beside(before));
     }
     widest(NearestInside { shared, segment, along, origin_prim, item, hit: (f64::INFINITY, 0) })
 }
@@ -241,7 +279,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
             let (best, at) = self.hit;
             if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
                 self.hit = (s, slot);
-                self.along.end_at(self.segment.point(s));
+                self.along.end_at(self.segment.part_beside(s));
             }
         }
         self.along.until
@@ -255,7 +293,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
 
 /// Takes the next slot of a leaf from the lanes that `may` names by bytes.
 #[inline(always)]
-fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
+pub(super) fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
     let lane = may.trailing_zeros() / u8::BITS;
     *may &= may.wrapping_sub(1);
     (lane < LEAF_SIZE as u32).then_some((leaf * LEAF_SIZE) as u32 + lane)
@@ -285,11 +323,9 @@ impl Along {
         }
     }
 
-    /// Nothing beyond `point` matters any more.
+    /// Nothing beyond a `part` of the chord matters any more.
     #[inline(always)]
-    fn end_at(&mut self, point: DVec3) {
-        let along = self.chord.end - self.chord.start;
-        let part = (point - self.chord.start).dot(along) / along.length_squared();
+    fn end_at(&mut self, part: f64) {
         self.until = self.until.min(part);
         self.cull.end_at(part);
     }

@@ -1,4 +1,6 @@
-//! Query of a search: a segment, and how it is to be searched.
+//! Query of a search: a segment, how it is to be searched, and what for.
+
+use glam::DVec3;
 
 use super::PrimitiveId;
 use crate::math::columns::{LANES, Row, plain_field};
@@ -55,4 +57,17 @@ impl<S: Row> Row for Query<S> {
         S::set(&mut block.segment, lane, row.segment);
         (block.origin_prim[lane], block.need[lane]) = (row.origin_prim, row.need);
     }
+}
+
+/// Object of a search along a straight segment: what it finds need only tell whether that is so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sought {
+    /// What is met first.
+    First,
+    /// That a primitive is met first.
+    Primitive(PrimitiveId),
+    /// That nothing is met before a point (world) of the segment.
+    Point(DVec3),
+    /// That nothing is met at all.
+    Nothing,
 }

@@ -10,8 +10,10 @@ use rayon::prelude::*;
 use super::bvh::{Bvh, EMPTY};
 use super::distance::Reach;
 use super::facets::Facets;
+use super::vertex_normals::{Interpolating, SmoothHit, SurfaceNormals};
 use super::{Disk, Mesh, Segment, Sphere, Surface, Triangle};
 use crate::math::columns::{Columns, columns, plain_field};
+use crate::math::kernel::Kernel;
 use crate::math::prefetch::prefetch;
 use crate::spacetime::Side;
 
@@ -192,6 +194,15 @@ pub(super) struct Placed {
     pub(super) surface: Surface,
 }
 
+impl Placed {
+    /// A hit at a point relative to the origin.
+    #[inline(always)]
+    pub(super) fn smooth_hit(&self, point: DVec3) -> SmoothHit {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.normal_to_world;
+        SmoothHit { point, x, y, z, is_mirrored: self.is_mirrored }
+    }
+}
+
 /// Primitives with their BVH.
 pub struct Geometry {
     pub(super) origin: DVec3,
@@ -204,6 +215,8 @@ pub struct Geometry {
     pub(super) facets: Facets,
     /// Surfaces of disks and of triangles without vertex normals, by slot, where the scene is small; `None` of others.
     pub(super) flat: Vec<Option<SurfacePoint>>,
+    /// True if triangles have vertex normals, of meshes that appear once where the scene is not small.
+    pub(super) is_smooth: bool,
     /// By number of their triangles.
     pub(super) singles: Vec<Single>,
     pub(super) spheres: Vec<(Sphere, Surface)>,
@@ -432,10 +445,16 @@ impl Geometry {
             }
             Item::Triangle(number) => {
                 let Single { instance, first } = self.single(number);
-                let (triangle, corners) = (number - first, self.triangle(primitive.item));
-                let placed = &self.placed[instance as usize];
-                let weights = || self.single_weights(primitive.item, instance, point);
-                self.triangle_point(placed, triangle, weights, corners.normal().normalize())
+                let (triangle, placed) = (self.triangle(primitive.item), &self.placed[instance as usize]);
+                match self.meshes[placed.mesh as usize].vertex_normals(number - first) {
+                    Some(vertices) => {
+                        let hit = placed.smooth_hit(point);
+                        let SurfaceNormals { geometric, shading } =
+                            Interpolating.run(&(triangle, vertices), &hit);
+                        SurfacePoint { normal: geometric, shading_normal: shading, surface: placed.surface }
+                    }
+                    None => SurfacePoint::flat(triangle.normal().normalize(), placed.surface),
+                }
             }
             Item::Instance(i) => {
                 let placed = &self.placed[i as usize];
@@ -448,8 +467,11 @@ impl Geometry {
                     [1.0 - u - v, u, v]
                 };
                 let normal = (placed.normal_to_world * corners.normal()).normalize();
-                let triangle = shared.bvh.order()[primitive.triangle as usize];
-                self.triangle_point(placed, triangle, weights, normal)
+                let shading_normal = self.meshes[placed.mesh as usize]
+                    .interpolated_normal(shared.bvh.order()[primitive.triangle as usize], weights)
+                    .and_then(|n| (placed.normal_to_world * n).try_normalize())
+                    .unwrap_or(normal);
+                SurfacePoint { normal, shading_normal, surface: placed.surface }
             }
         }
     }
@@ -460,21 +482,6 @@ impl Geometry {
         let (u, v) = self.triangle(slot).barycentrics(point);
         // Flattened triangles of mirrored placements were rewound, see `Placing`.
         if self.placed[instance as usize].is_mirrored { [1.0 - u - v, v, u] } else { [1.0 - u - v, u, v] }
-    }
-
-    fn triangle_point(
-        &self,
-        placed: &Placed,
-        triangle: u32,
-        weights: impl FnOnce() -> [f64; 3],
-        normal: DVec3,
-    ) -> SurfacePoint {
-        let mesh = &self.meshes[placed.mesh as usize];
-        let shading_normal = mesh
-            .interpolated_normal(triangle, weights)
-            .and_then(|n| (placed.normal_to_world * n).try_normalize())
-            .unwrap_or(normal);
-        SurfacePoint { normal, shading_normal, surface: placed.surface }
     }
 
     /// Material and entity of `primitive`.

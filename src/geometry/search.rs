@@ -7,7 +7,7 @@ use obvhs::faststack::HeapStack;
 
 use super::bvh::Walk;
 use super::nearest::Nearest;
-use super::query::{Need, Query};
+use super::query::{Need, Query, Sought};
 use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
 use super::{Found, SideBySide};
@@ -58,9 +58,20 @@ impl<S: SideBySide> Default for Search<S> {
 impl Geometry {
     /// Searches the first `lanes` queries of `search`, each on the side of the primitive that it starts on.
     pub fn search_all<S: SideBySide>(&self, search: &mut Search<S>, lanes: usize) {
+        self.seek_all(search, lanes, |_| Sought::First);
+    }
+
+    /// [`Self::search_all`] of queries by lane that need not find the first crossing, if what they find tells whether what
+    /// is `sought` by them is so.
+    pub fn seek_all<S: SideBySide>(
+        &self,
+        search: &mut Search<S>,
+        lanes: usize,
+        sought: impl Fn(usize) -> Sought,
+    ) {
         let Search { queries, found, few, near_start, part } = search;
         if self.far.is_none() && !self.are_worth_gathering(queries, lanes) {
-            return self.search_own(queries, found, (few, near_start), lanes);
+            return self.search_own((queries, sought), found, (few, near_start), lanes);
         }
         found.clear();
         found.resize(lanes, None);
@@ -74,7 +85,8 @@ impl Geometry {
                 Query { origin_prim: query.origin_prim.on(Side::Near), ..query }
             });
             let lanes = part.lanes.len();
-            geometry.search_own(&part.queries, &mut part.found, (few, near_start), lanes);
+            let sought = |lane: usize| sought(part.lanes[lane]);
+            geometry.search_own((&part.queries, sought), &mut part.found, (few, near_start), lanes);
             for (&lane, hit) in part.lanes.iter().zip(&part.found) {
                 found[lane] = hit.map(|hit| Found { primitive: hit.primitive.on(side), ..hit });
             }
@@ -94,7 +106,7 @@ impl Geometry {
     /// Searches the first `lanes` of `queries` on the near side.
     fn search_own<S: SideBySide>(
         &self,
-        queries: &Columns<Query<S>>,
+        (queries, sought): (&Columns<Query<S>>, impl Fn(usize) -> Sought),
         found: &mut Vec<Option<Found>>,
         (few, near_start): (&mut SmallScene, &mut Vec<usize>),
         lanes: usize,
@@ -105,7 +117,7 @@ impl Geometry {
         } else {
             found.clear();
             found.resize(lanes, None);
-            widest(Interleaved { geometry: self, queries, found, near_start });
+            widest(Interleaved { geometry: self, queries, sought, found, near_start });
         }
         for &lane in near_start.iter() {
             found[lane] = self.found_near_start(&queries.get(lane));
@@ -123,9 +135,10 @@ impl Geometry {
 }
 
 /// Takes all queries through the hierarchy.
-struct Interleaved<'a, S: SideBySide> {
+struct Interleaved<'a, S: SideBySide, F> {
     geometry: &'a Geometry,
     queries: &'a Columns<Query<S>>,
+    sought: F,
     found: &'a mut [Option<Found>],
     near_start: &'a mut Vec<usize>,
 }
@@ -137,12 +150,12 @@ struct LaneWalk<'a, S> {
     lane: usize,
 }
 
-impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
+impl<S: SideBySide, F: Fn(usize) -> Sought> pulp::NullaryFnOnce for Interleaved<'_, S, F> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Interleaved { geometry, queries, found, near_start } = self;
+        let Interleaved { geometry, queries, sought, found, near_start } = self;
         let bvh = &geometry.bvh;
         let mut walks: [LaneWalk<S>; TURNS] = std::array::from_fn(|_| LaneWalk {
             walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
@@ -165,7 +178,9 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Interleaved<'_, S> {
                     let Query { segment, origin_prim, .. } = queries.get(next);
                     lane_walk.lane = next;
                     lane_walk.nearest = Nearest::new(geometry, &segment, origin_prim);
-                    lane_walk.walk.start(bvh, &lane_walk.nearest.chord(), 1.0, &mut lane_walk.nearest);
+                    lane_walk.nearest.seek(sought(next));
+                    let LaneWalk { walk, nearest, .. } = lane_walk;
+                    walk.start(bvh, &nearest.chord(), nearest.until(), nearest);
                 } else {
                     lane_walk.walk.step(bvh, &mut lane_walk.nearest);
                 }
@@ -194,7 +209,7 @@ mod tests {
 
     use super::*;
     use crate::geodesic::Arc;
-    use crate::geometry::{Instance, Line, Mesh, Primitives, Sphere, Surface};
+    use crate::geometry::{Instance, Line, Mesh, Primitives, Segment, Sphere, Surface};
 
     const LANES: usize = 30;
 
@@ -296,5 +311,66 @@ mod tests {
                 "line {i}"
             );
         }
+    }
+
+    #[test]
+    fn the_first_crossing_tells_what_is_sought_as_less_does() {
+        const TRIANGLES: u32 = 500;
+        let mut state = 3u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut point = |size: f64| size * DVec3::new(random() - 0.5, random() - 0.5, random() - 0.5);
+        let middles: Vec<DVec3> = (0..TRIANGLES).map(|_| point(4.0)).collect();
+        let corners = middles.iter().flat_map(|&middle| [middle; 3]);
+        let positions = corners.map(|middle| (middle + point(1.0)).as_vec3().to_array()).collect();
+        let triangles = (0..TRIANGLES).map(|i| [0, 1, 2].map(|corner| 3 * i + corner)).collect();
+        let surface = Surface { material: 0, entity: 0 };
+        let geometry = Geometry::build(Primitives {
+            meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
+            instances: vec![(Instance { mesh: 0, to_world: DAffine3::IDENTITY }, surface)],
+            ..Primitives::default()
+        });
+        let primitives: Vec<PrimitiveId> =
+            geometry.members().map(|(item, _)| PrimitiveId { item, triangle: 0 }).collect();
+        const LINES: usize = 3000;
+        let lines: Vec<Line> = (0..LINES).map(|_| Line { p0: point(5.0), p2: point(5.0) }).collect();
+        let mut search = Search::default();
+        search.queries.gather(LINES, |i| Query {
+            segment: lines[i],
+            origin_prim: PrimitiveId::NONE,
+            need: Need::Whole,
+        });
+        geometry.search_all(&mut search, LINES);
+        let first = std::mem::take(&mut search.found);
+        let part = |i: usize| (i % 97) as f64 / 97.0;
+        let sought = |i: usize| match (i % 4, first[i]) {
+            (0, _) => Sought::First,
+            (1, _) => Sought::Nothing,
+            (2, _) => Sought::Point(lines[i].point(part(i))),
+            (_, Some(found)) if i % 8 == 3 => Sought::Primitive(found.primitive),
+            (_, _) => Sought::Primitive(primitives[i % primitives.len()]),
+        };
+        geometry.seek_all(&mut search, LINES, sought);
+        let mut counts = [0; 4];
+        for (i, (&less, &first)) in search.found.iter().zip(&first).enumerate() {
+            let is_before = |found: Option<Found>| {
+                found.is_some_and(|found| lines[i].parameter_beside(found.point) < part(i))
+            };
+            let (told, is_so) = match sought(i) {
+                Sought::First => (less == first, true),
+                Sought::Nothing => (less.is_none(), first.is_none()),
+                Sought::Point(_) => (!is_before(less), !is_before(first)),
+                Sought::Primitive(primitive) => {
+                    let is_met = |found: Option<Found>| found.filter(|found| found.primitive == primitive);
+                    assert_eq!(is_met(less), is_met(first), "line {i}");
+                    (is_met(less).is_some(), is_met(first).is_some())
+                }
+            };
+            assert_eq!(told, is_so, "line {i}");
+            counts[i % 4] += usize::from(is_so);
+        }
+        assert!(counts.iter().all(|&count| (50..=LINES / 4).contains(&count)), "{counts:?}");
     }
 }

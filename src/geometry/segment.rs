@@ -37,6 +37,13 @@ pub trait Segment: Copy {
     fn heading(&self) -> DVec3;
     /// Parameter of the point that lies as far along the chord as `point`, in [0, 1].
     fn parameter_beside(&self, point: DVec3) -> f64;
+    /// Part of the chord beside the point at `s`.
+    #[inline(always)]
+    fn part_beside(&self, s: f64) -> f64 {
+        let Chord { start, end, .. } = self.chord();
+        let along = end - start;
+        (self.point(s) - start).dot(along) / along.length_squared()
+    }
     /// The segment, moved.
     fn shifted(&self, by: DVec3) -> Self;
     /// The segment under an affine map; the parameter keeps its meaning.
@@ -71,6 +78,11 @@ impl Segment for Line {
         let along = self.p2 - self.p0;
         let s = along.dot(point - self.p0) / along.length_squared();
         if s.is_finite() { s.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn part_beside(&self, s: f64) -> f64 {
+        s
     }
 
     #[inline(always)]

@@ -52,6 +52,11 @@ impl Segment for Skim {
     }
 
     #[inline(always)]
+    fn part_beside(&self, s: f64) -> f64 {
+        self.0.part_beside(s)
+    }
+
+    #[inline(always)]
     fn shifted(&self, by: DVec3) -> Self {
         Self(self.0.shifted(by))
     }

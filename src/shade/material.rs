@@ -153,6 +153,14 @@ impl Material {
         self.lobe.is_specular()
     }
 
+    /// True if no lamp is seen at the surface, wherever that is looked at: it does not emit, nor do textures make it a
+    /// mirror or glass. Not inline, so that what most paths need stays in registers.
+    #[inline(never)]
+    pub fn shows_no_lamps(&self) -> bool {
+        let spreads = matches!(self.lobe, Lobe::Diffuse(_)) || (self.maps.is_empty() && !self.is_specular());
+        spreads && !self.emits()
+    }
+
     /// True if light enters what is beyond the surface.
     pub fn is_dielectric(&self) -> bool {
         self.lobe.ior().is_some()

@@ -6,7 +6,7 @@ use super::halt::Halt;
 use super::stages::intersect::intersect_all;
 use super::stats::Counters;
 use super::transport::{Moved, Outcome, Start, Transport};
-use crate::geometry::{Geometry, Search};
+use crate::geometry::{Geometry, Search, Sought};
 use crate::math::columns::Columns;
 
 /// A worker's rays. Lanes are dense, as in a wavefront; none is filled again.
@@ -57,7 +57,8 @@ impl<T: Transport> RayBatch<T> {
         let Self { flights, moves, search, scratch, rays, exactly, ended, .. } = self;
         while live > 0 && !halt.is_due() {
             transport.advance_all(flights.blocks(live), moves.blocks_mut(live));
-            intersect_all(transport, geometry, (flights, moves), search, live, &mut counters);
+            let sought = (live, |_| Sought::First);
+            intersect_all(transport, geometry, (flights, moves), search, sought, &mut counters);
             let (found, exactly) = (&search.found[..live], &exactly[..live]);
             transport.settle_all(
                 Moved { geometry, flights, moves, found, exactly },

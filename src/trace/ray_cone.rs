@@ -27,6 +27,8 @@ pub struct RayCone {
     width: f64,
     /// Angle by which it widens, radians; below 0 if it narrows.
     spread: f64,
+    /// Width of what its sample stands for, in that of the sample's pixel.
+    part: f64,
     /// True if nothing but mirrors and glass is between the camera and the ray.
     is_seen: bool,
 }
@@ -60,6 +62,7 @@ impl RayCones {
             side: camera.side,
             width: part * (constant + spread * near),
             spread: part * spread,
+            part,
             is_seen: true,
         }
     }
@@ -76,11 +79,11 @@ impl RayCones {
         (width + bent.or(straight).unwrap_or(0.0) * spread).abs()
     }
 
-    /// Cone of the ray of a sample after a bounce where its cone is so wide, off a surface or through it to where the index
-    /// of refraction is `eta` times as large.
+    /// Cone of a ray after a bounce where its cone is so wide, off a surface or through it to where the index of refraction
+    /// is `eta` times as large.
     pub fn after(
         &self,
-        (cone, sample): (&RayCone, u32),
+        cone: &RayCone,
         (landing, width): (&Landing, f64),
         (bounce, eta): (&Bounce, f64),
         scene: &Baked,
@@ -90,7 +93,7 @@ impl RayCones {
             let tilt = width * curvature(scene, landing);
             if bounce.crosses { (cone.spread + tilt) / eta - tilt } else { cone.spread + 2.0 * tilt }
         } else {
-            let scattered = SCATTERED * part_of(sample);
+            let scattered = SCATTERED * cone.part;
             (cone.spread * cone.spread + scattered * scattered / bounce.density).sqrt()
         };
         RayCone {
@@ -99,6 +102,7 @@ impl RayCones {
             side: landing.primitive.side(),
             width,
             spread,
+            part: cone.part,
             is_seen: cone.is_seen && is_specular,
         }
     }
@@ -207,7 +211,7 @@ mod tests {
             let cone = RayCone { position, direction: -DVec3::Z, spread: SPREAD, ..RayCone::default() };
             let bounce = Bounce { direction, weight: Vec3::ONE, density: 0.0, crosses };
             let width = cones.width(&cone, &landing);
-            let after = cones.after((&cone, 0), (&landing, width), (&bounce, eta), &scene);
+            let after = cones.after(&cone, (&landing, width), (&bounce, eta), &scene);
             for way in [0.5, 5.0] {
                 let end =
                     Landing::conformal(landing.position + way * direction, direction, PrimitiveId::NONE);

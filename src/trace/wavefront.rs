@@ -25,7 +25,8 @@ use super::stats::{Counters, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::Work;
-use crate::geometry::{PrimitiveId, Search};
+use crate::geometry::{PrimitiveId, Search, Sought};
+use crate::light::Target;
 use crate::math::columns::{Columns, LANES};
 use crate::spacetime::AtInfinity;
 
@@ -254,8 +255,13 @@ impl<T: Transport> Wavefront<T> {
     }
 
     fn intersect(&mut self, job: &Job, transport: &T, counters: &mut Counters) {
-        let Self { flights, moves, search, paths, .. } = self;
-        intersect_all(transport, &job.scene.geometry, (flights, moves), search, paths.len(), counters);
+        let Self { flights, moves, search, paths, vertices, .. } = self;
+        let sought = |lane: usize| match vertices.get(lane) {
+            Some(vertex) if vertex.light_ray_in_flight => light::sought(job, vertex),
+            _ => Sought::First,
+        };
+        let geometry = &job.scene.geometry;
+        intersect_all(transport, geometry, (flights, moves), search, (paths.len(), sought), counters);
     }
 
     /// Sorts lanes by what became of their rays; those still flying take their step.
@@ -288,7 +294,8 @@ impl<T: Transport> Wavefront<T> {
             |lane, outcome, carried| {
                 arrived[lane] = carried;
                 if let Some((illumination, vertex)) = lit(lane) {
-                    if events.lit[..passed].binary_search(&(lane, true)).is_ok() {
+                    let may_have_passed = passed > 0 && matches!(vertex.target, Target::Point(_));
+                    if may_have_passed && events.lit[..passed].binary_search(&(lane, true)).is_ok() {
                         return;
                     }
                     match light::conclude(job, illumination, &mut paths[lane], vertex, outcome) {

@@ -1,5 +1,7 @@
 //! Descents of many receivers, side by side.
 
+use std::ops::RangeInclusive;
+
 use super::Tree;
 use super::descent::Descent;
 use super::node::{Chances, Importance, LocalReceiver, NarrowCluster, Subtree, Weighing};
@@ -11,6 +13,8 @@ use crate::math::kernel::{NOTHING, map};
 pub struct Descents {
     /// Chances of the two below the root, by lane.
     chances: Columns<Chances>,
+    /// Chances of each pair of a small tree, by lane.
+    of_pairs: Vec<Columns<Chances>>,
     /// Lanes that have come to no emitter yet, with the first of the pair below.
     under_way: Vec<(usize, u32, Descent)>,
     /// Of those, what looks at each pair, the pair, and what it looks like.
@@ -20,6 +24,9 @@ pub struct Descents {
     left_importance: Columns<Importance>,
     right_importance: Columns<Importance>,
 }
+
+/// Pairs of a small tree: all receivers compare all of them, as it takes longer to sort out which compare what.
+const FEW_PAIRS: RangeInclusive<usize> = 2..=4;
 
 impl Tree {
     /// [`Tree::sample`] for many receivers, each with a number in [0, 1) or not at all, a level of the tree at a time: what
@@ -31,6 +38,9 @@ impl Tree {
         descents: &mut Descents,
         found: &mut Vec<Option<(u32, f64, f64)>>,
     ) {
+        if FEW_PAIRS.contains(&(self.nodes.len() / 2)) {
+            return self.sample_few(receivers, numbers, &mut descents.of_pairs, found);
+        }
         let lanes = numbers.len();
         found.clear();
         found.resize(lanes, None);
@@ -78,6 +88,26 @@ impl Tree {
                 }
             });
         }
+    }
+
+    /// [`Self::sample_all`] in a small tree.
+    fn sample_few(
+        &self,
+        receivers: &Columns<LocalReceiver>,
+        numbers: &[Option<f64>],
+        of_pairs: &mut Vec<Columns<Chances>>,
+        found: &mut Vec<Option<(u32, f64, f64)>>,
+    ) {
+        let (lanes, pairs) = (numbers.len(), self.nodes.len() / 2);
+        of_pairs.resize_with(pairs.max(of_pairs.len()), Columns::default);
+        for (first, chances) in (0..).step_by(2).zip(&mut of_pairs[..pairs]) {
+            chances.grow(lanes);
+            map(&self.siblings(first), receivers.blocks(lanes), NOTHING, chances.blocks_mut(lanes));
+        }
+        let chances = |first: u32, lane: usize| of_pairs[first as usize / 2].get(lane);
+        let sample = |(lane, u): (usize, &Option<f64>)| self.descend((*u)?, |first| chances(first, lane));
+        found.clear();
+        found.extend(numbers.iter().enumerate().map(sample));
     }
 
     /// Weighs the pairs that descents under way choose from.

@@ -51,11 +51,17 @@ impl Tree {
     /// With a positive floor an emitter is always found if there is one.
     pub fn sample(&self, x: DVec3, side: Option<LitSide>, u: f64) -> Option<(u32, f64, f64)> {
         let receiver = self.receiver(x, side);
+        self.descend(u, |first| self.chances(first, &receiver))
+    }
+
+    /// What [`Self::sample`] finds by `u`, given the chances of two siblings by the first of them.
+    #[inline(always)]
+    fn descend(&self, u: f64, chances: impl Fn(u32) -> Chances) -> Option<(u32, f64, f64)> {
         let mut descent = Descent::new(self.root?, u);
         loop {
             match descent.end() {
                 Ok(emitter) => return Some(emitter),
-                Err(first) => descent = descent.turn(self.pair(first), self.chances(first, &receiver))?,
+                Err(first) => descent = descent.turn(self.pair(first), chances(first))?,
             }
         }
     }

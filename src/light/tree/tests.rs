@@ -216,7 +216,7 @@ fn emitters_are_chosen_as_often_as_their_probabilities_say_and_the_rest_of_u_is_
 fn many_receivers_choose_together_what_each_chooses_alone() {
     let mut random = Random::new(23);
     let (mut descents, mut found) = (Descents::default(), Vec::new());
-    for count in [0, 1, 2, 3, 40, 500] {
+    for count in [0, 1, 2, 3, 5, 6, 40, 500] {
         let tree = build(&emissions(&cloud(&mut random, count, 0.3)), 0.0);
         for asked in [1, 5, 8, 30] {
             let places: Vec<_> =

@@ -7,18 +7,15 @@ use glam::{DVec3, Vec3};
 use super::mirror::reflect_above;
 use super::model::Bsdf;
 use super::variation::Variation;
-use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence};
 
-columns! {
-    /// Smooth dielectric with exact unpolarised Fresnel reflectance.
-    #[derive(PartialEq)]
-    pub struct Dielectric => DielectricBlock {
-        /// Index of refraction relative to vacuum.
-        ior: f32,
-        /// Factor on reflected and transmitted radiance.
-        tint: Vec3,
-    }
+/// Smooth dielectric with exact unpolarised Fresnel reflectance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction relative to vacuum.
+    pub ior: f32,
+    /// Factor on reflected and transmitted radiance.
+    pub tint: Vec3,
 }
 
 impl Bsdf for Dielectric {

@@ -11,20 +11,15 @@ use super::mirror::reflect_above;
 use super::model::Bsdf;
 use super::principled::Principled;
 use super::variation::Variation;
-use crate::math::columns::{columns, plain_field};
 use crate::shade::incidence::{Bounce, Incidence, Response};
 
-plain_field!(Principled);
-
-columns! {
-    /// Principled lobe whose coat has a normal of its own.
-    #[derive(PartialEq)]
-    pub struct Lacquered => LacqueredBlock {
-        /// The coat and what is beneath.
-        principled: Principled,
-        /// Unit normal of the coat at a hit, in the world; zero where it is that of the surface.
-        clearcoat_normal: DVec3,
-    }
+/// Principled lobe whose coat has a normal of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lacquered {
+    /// The coat and what is beneath.
+    pub principled: Principled,
+    /// Unit normal of the coat at a hit, in the world; zero where it is that of the surface.
+    pub clearcoat_normal: DVec3,
 }
 
 /// Least albedo by which what is beneath is chosen: what is black at normal incidence may reflect at others.

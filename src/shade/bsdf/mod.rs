@@ -27,13 +27,13 @@ pub use lacquered::Lacquered;
 pub use mirror::Mirror;
 pub use model::Bsdf;
 pub use principled::Principled;
-use sorted::HitsOn;
+use sorted::{HitLanes, HitRows};
 pub use variation::Variation;
 
 use super::incidence::{Bounce, Incidence, Response};
 
 macro_rules! lobes {
-    ($($hits:ident: $name:ident),* $(,)?) => {
+    ($($hits:ident: $kind:ident<$name:ident>),* $(,)?) => {
         /// Scattering lobe of a surface.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Lobe {
@@ -99,7 +99,7 @@ macro_rules! lobes {
         /// Hits sorted by lobe, each lobe's to be scattered side by side.
         #[derive(Default)]
         pub struct SortedHits {
-            $($hits: HitsOn<$name>,)*
+            $($hits: $kind<$name>,)*
             count: usize,
         }
 
@@ -127,9 +127,9 @@ macro_rules! lobes {
 }
 
 lobes! {
-    diffuse: Diffuse,
-    mirror: Mirror,
-    dielectric: Dielectric,
-    principled: Principled,
-    lacquered: Lacquered,
+    diffuse: HitLanes<Diffuse>,
+    mirror: HitLanes<Mirror>,
+    dielectric: HitRows<Dielectric>,
+    principled: HitRows<Principled>,
+    lacquered: HitRows<Lacquered>,
 }

@@ -3,11 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use super::variation::Variation;
-use crate::math::columns::Row;
 use crate::shade::incidence::{Bounce, Incidence, Response};
 
 /// A scattering lobe: a row of parameters and two kernels, which run on one hit or on many side by side.
-pub trait Bsdf: Row + Send + Sync {
+pub trait Bsdf: Copy + Send + Sync {
     /// Name in scene files and reports.
     const NAME: &'static str;
 

@@ -29,52 +29,49 @@ use super::sheen::Sheen;
 use super::specular::{Reflector, Specular};
 use super::thin_film::ThinFilm;
 use super::variation::Variation;
-use crate::math::columns::columns;
 use crate::shade::incidence::{Bounce, Incidence, Response};
 
-columns! {
-    /// Metallic–roughness model with its layers. Fractions are in [0, 1], α is the square of a roughness.
-    #[derive(PartialEq)]
-    pub struct Principled => PrincipledBlock {
-        /// Base colour: albedo of a dielectric, reflectance of a metal at normal incidence, tint of light that goes
-        /// through.
-        base: Vec3,
-        /// Share of metal.
-        metallic: f32,
-        /// Roughness of the base.
-        roughness: f32,
-        /// Share by which α grows towards 1 along the tangent.
-        anisotropy: f32,
-        /// Direction of the anisotropy, any that is not along the normal: in a material in tangent space, x along the
-        /// tangent, at a hit in the world.
-        tangent: DVec3,
-        /// Index of refraction relative to vacuum.
-        ior: f32,
-        /// Factor on the reflectance of a dielectric.
-        specular: f32,
-        /// Colour of the reflectance of a dielectric at normal incidence.
-        specular_color: Vec3,
-        /// Share of a dielectric that light goes through.
-        transmission: f32,
-        /// True if that is a wall without thickness.
-        is_thin: bool,
-        /// Share of the surface that is coated.
-        clearcoat: f32,
-        /// Roughness of the coat.
-        clearcoat_roughness: f32,
-        /// Colour of the sheen.
-        sheen_color: Vec3,
-        /// Roughness of the sheen.
-        sheen_roughness: f32,
-        /// Share of the surface that a thin film covers.
-        iridescence: f32,
-        /// Index of refraction of the film.
-        iridescence_ior: f32,
-        /// Thickness of the film, nanometres.
-        iridescence_thickness: f32,
-        /// True if light is given back that microfacets scatter more than once.
-        multiscatter: bool,
-    }
+/// Metallic–roughness model with its layers. Fractions are in [0, 1], α is the square of a roughness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    /// Base colour: albedo of a dielectric, reflectance of a metal at normal incidence, tint of light that goes
+    /// through.
+    pub base: Vec3,
+    /// Share of metal.
+    pub metallic: f32,
+    /// Roughness of the base.
+    pub roughness: f32,
+    /// Share by which α grows towards 1 along the tangent.
+    pub anisotropy: f32,
+    /// Direction of the anisotropy, any that is not along the normal: in a material in tangent space, x along the
+    /// tangent, at a hit in the world.
+    pub tangent: DVec3,
+    /// Index of refraction relative to vacuum.
+    pub ior: f32,
+    /// Factor on the reflectance of a dielectric.
+    pub specular: f32,
+    /// Colour of the reflectance of a dielectric at normal incidence.
+    pub specular_color: Vec3,
+    /// Share of a dielectric that light goes through.
+    pub transmission: f32,
+    /// True if that is a wall without thickness.
+    pub is_thin: bool,
+    /// Share of the surface that is coated.
+    pub clearcoat: f32,
+    /// Roughness of the coat.
+    pub clearcoat_roughness: f32,
+    /// Colour of the sheen.
+    pub sheen_color: Vec3,
+    /// Roughness of the sheen.
+    pub sheen_roughness: f32,
+    /// Share of the surface that a thin film covers.
+    pub iridescence: f32,
+    /// Index of refraction of the film.
+    pub iridescence_ior: f32,
+    /// Thickness of the film, nanometres.
+    pub iridescence_thickness: f32,
+    /// True if light is given back that microfacets scatter more than once.
+    pub multiscatter: bool,
 }
 
 impl Principled {

@@ -2,7 +2,7 @@
 
 use super::super::stats::Counters;
 use super::super::transport::Transport;
-use crate::geometry::{Found, Geometry, Need, Search, Segment};
+use crate::geometry::{Found, Geometry, Need, Search, Segment, Sought};
 use crate::math::columns::Columns;
 
 /// The first thing that a move meets.
@@ -22,19 +22,24 @@ pub fn intersect<T: Transport>(
     })
 }
 
-/// The first things that the moves in the first `lanes` lanes meet.
+/// The first things that the moves in the first `lanes` lanes meet; of moves that are all of a ray, what tells whether what
+/// is `sought` is so.
 pub fn intersect_all<T: Transport>(
     transport: &T,
     geometry: &Geometry,
     (flights, moves): (&Columns<T::Flight>, &Columns<T::Move>),
     search: &mut Search<T::Segment>,
-    lanes: usize,
+    (lanes, sought): (usize, impl Fn(usize) -> Sought),
     counters: &mut Counters,
 ) {
     search.queries.resize(lanes);
     let queries = search.queries.blocks_mut(lanes);
     transport.queries_all(flights.blocks(lanes), moves.blocks(lanes), queries);
-    geometry.search_all(search, lanes);
+    if T::IS_STRAIGHT {
+        geometry.seek_all(search, lanes, sought);
+    } else {
+        geometry.search_all(search, lanes);
+    }
     for lane in 0..lanes {
         match search.queries.get(lane).need {
             Need::Nothing => counters.steps += 1,

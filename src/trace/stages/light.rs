@@ -12,7 +12,7 @@ use super::draw::Draw;
 use super::look_up::look_up;
 use super::meet::meet;
 use super::pass::passes as passes_through;
-use crate::geometry::{Found, Segment};
+use crate::geometry::{Found, Segment, Sought};
 use crate::light::{Incoming, LightQuery, LightSample, Receiver, Target};
 use crate::shade::{Footprint, Material, Response};
 use crate::spacetime::AtInfinity;
@@ -105,6 +105,19 @@ pub fn settle<T: Transport>(
 #[inline]
 pub fn lands_exactly(job: &Job, vertex: &Vertex) -> bool {
     job.has_passages || vertex.target == Target::ThroughSpecular
+}
+
+/// What tells whether a straight light ray brings its light.
+#[inline]
+pub fn sought(job: &Job, vertex: &Vertex) -> Sought {
+    let point = |index| Some(job.illumination.as_ref()?.lights.point(index)?.1);
+    match vertex.target {
+        _ if job.has_passages => Sought::First,
+        Target::Surface(primitive, _) => Sought::Primitive(primitive),
+        Target::Point(index) => point(index).map_or(Sought::First, Sought::Point),
+        Target::Infinity(_) | Target::SkyTile(..) => Sought::Nothing,
+        Target::Nothing | Target::ThroughSpecular => Sought::First,
+    }
 }
 
 /// True if a light ray passes the punctual light that it is aimed at.

@@ -23,8 +23,15 @@ pub struct Meeting {
 /// there: what is solid stops light, and further glass is crossed with it.
 #[inline(always)]
 pub fn meet(scene: &Baked, landing: &Landing, media: Media) -> Meeting {
+    let surface = scene.geometry.surface_point(landing.primitive, landing.position);
+    meet_surface(scene, landing, media, surface)
+}
+
+/// [`meet`], given the surface where the path lands.
+#[inline(always)]
+pub fn meet_surface(scene: &Baked, landing: &Landing, media: Media, surface: SurfacePoint) -> Meeting {
     let primitive = landing.primitive;
-    let surface = surface_at(scene, primitive, landing);
+    let surface = at_rest(surface, landing);
     if is_glass(scene, &surface) {
         // Copied and taken apart, so that landings and surfaces stay in registers where there is no glass.
         let (landing, glass) = (*landing, surface);
@@ -62,10 +69,9 @@ impl Meeting {
     }
 }
 
-/// Surface of a primitive where a path lands, with normals in the frame at rest.
+/// Surface where a path lands, with normals in the frame at rest.
 #[inline(always)]
-fn surface_at(scene: &Baked, primitive: PrimitiveId, landing: &Landing) -> SurfacePoint {
-    let surface = scene.geometry.surface_point(primitive, landing.position);
+fn at_rest(surface: SurfacePoint, landing: &Landing) -> SurfacePoint {
     let [normal, shading_normal] = landing.stretch.normals([surface.normal, surface.shading_normal]);
     SurfacePoint { normal, shading_normal, ..surface }
 }
@@ -80,7 +86,8 @@ fn meet_upon(scene: &Baked, landing: &Landing, media: Media, glass: SurfacePoint
     let &Landing { position, direction, primitive, .. } = landing;
     let face = |surface: &SurfacePoint| (surface.surface.material, direction.dot(surface.normal) < 0.0);
     let others = scene.geometry.upon(primitive, position);
-    let others = || others.iter().map(|&other| (other, surface_at(scene, other, landing)));
+    let surface = |other: PrimitiveId| at_rest(scene.geometry.surface_point(other, position), landing);
+    let others = || others.iter().map(|&other| (other, surface(other)));
     if let Some((solid, surface)) = others().find(|(_, other)| !is_glass(scene, other)) {
         return Meeting { primitive: solid, surface, eta: 1.0, beyond: media };
     }

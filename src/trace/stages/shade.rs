@@ -14,9 +14,10 @@ use super::draw::{Draws, Numbers};
 use super::emit::emit;
 use super::light;
 use super::look_up::look_up;
-use super::meet::{Meeting, meet};
+use super::meet::{Meeting, meet_surface};
 use super::record::record_hit;
 use super::scatter::take;
+use crate::geometry::{SurfacePoint, SurfacesMet};
 use crate::light::{LightQuery, LightSample, Receiver, Target};
 use crate::shade::{Bounce, Footprint, Material, Response, SortedHits};
 
@@ -32,7 +33,9 @@ pub fn shade(
     samples: &mut Samples,
 ) -> Option<DVec3> {
     let mut varied = None;
-    let (arrival, material) = arrive(job, path, (vertex, cone), landing, (samples, &mut varied))?;
+    let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
+    let at = (landing, surface);
+    let (arrival, material) = arrive(job, path, (vertex, cone), at, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let query = light_query(job, path, material, landing, &arrival, numbers);
     let light = job.illumination.as_ref().zip(query);
@@ -51,6 +54,7 @@ const AT_ONCE: usize = 64;
 /// Shading of many landings.
 #[derive(Default)]
 pub struct Shading {
+    met: SurfacesMet,
     /// Those that are scattered at, with their places among all, and those of their queries for light.
     arrivals: Vec<(usize, ScatterPoint, Option<usize>)>,
     queries: Vec<LightQuery>,
@@ -72,18 +76,30 @@ impl Shading {
         samples: &mut Samples,
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
-        let Self { arrivals, queries, sampling, lights, hits } = self;
+        let Self { met, arrivals, queries, sampling, lights, hits: scattering } = self;
+        let geometry = &job.scene.geometry;
         let (mut free, mut point, mut varied) = (Vertex::default(), RayCone::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
             arrivals.clear();
             queries.clear();
-            for (place, (lane, landing)) in landed.iter().enumerate().skip(first).take(AT_ONCE) {
+            let part = landed.iter().enumerate().skip(first).take(AT_ONCE);
+            let hits = part.clone().map(|(_, (_, landing))| (landing.primitive, landing.position));
+            geometry.surface_points(hits, met);
+            for (number, (place, (lane, landing))) in part.enumerate() {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
                 let cone = cones.get(*lane).unwrap_or(&point);
-                match arrive(job, path, (vertex, cone), landing, (samples, &mut varied)) {
+                let surface = match met.get(number) {
+                    Some(surface) => surface,
+                    None => geometry.surface_point(landing.primitive, landing.position),
+                };
+                match arrive(job, path, (vertex, cone), (landing, surface), (samples, &mut varied)) {
                     Some((arrival, material)) => {
-                        hits.push(&material.lobe, &arrival.meeting.incidence(landing.direction), numbers.ray);
+                        scattering.push(
+                            &material.lobe,
+                            &arrival.meeting.incidence(landing.direction),
+                            numbers.ray,
+                        );
                         let query = light_query(job, path, material, landing, &arrival, &numbers);
                         arrivals.push((place, arrival, query.is_some().then_some(queries.len())));
                         queries.extend(query);
@@ -97,7 +113,7 @@ impl Shading {
             let light_of = |query: Option<usize>| lights[query?].as_ref();
             let out =
                 |number: usize| light_of(arrivals[number].2).map_or(DVec3::ZERO, |light| light.direction);
-            hits.scatter(out, |number, bounce, response| {
+            scattering.scatter(out, |number, bounce, response| {
                 let (place, arrival, query) = &arrivals[number];
                 let ((lane, landing), numbers) = (&landed[*place], draws.vertex(*place));
                 let (path, vertex) = (&mut paths[*lane], vertices.get_mut(*lane).unwrap_or(&mut free));
@@ -131,10 +147,14 @@ fn arrive<'a>(
     job: &Job<'a>,
     path: &mut Path,
     (vertex, cone): (&Vertex, &RayCone),
-    landing: &Landing,
+    (landing, surface): (&Landing, SurfacePoint),
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
 ) -> Option<(ScatterPoint, &'a Material)> {
-    let mut meeting = meet(job.scene, landing, path.media);
+    let base = &job.scene.materials[surface.surface.material as usize];
+    if path.gathers == Gathers::Lamps && base.shows_no_lamps() {
+        return None;
+    }
+    let mut meeting = meet_surface(job.scene, landing, path.media, surface);
     let width = job.cones.as_ref().map_or(0.0, |cones| cones.width(cone, landing));
     if job.has_maps {
         let footprint = match job.cones {
@@ -188,7 +208,7 @@ fn leave(
     let &ScatterPoint { ref meeting, width, is_specular, both_sides, grazing } = arrival;
     if let Some(cones) = &job.cones {
         let eta = meeting.incidence(landing.direction).eta;
-        *cone = cones.after((cone, path.sample), (landing, width), (bounce, eta), job.scene);
+        *cone = cones.after(cone, (landing, width), (bounce, eta), job.scene);
     }
     let Some(illumination) = &job.illumination else {
         return take(job, path, meeting, bounce, numbers.ray[3]).then_some(bounce.direction);
