@@ -82,7 +82,7 @@ impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
 
 /// Looks for the first hit in the top hierarchy.
 pub(super) struct Nearest<'a, S, L> {
-    geometry: &'a Geometry,
+    pub(super) geometry: &'a Geometry,
     /// Relative to the origin of the geometry.
     segment: S,
     along: Along,

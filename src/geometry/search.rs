@@ -10,7 +10,7 @@ use super::nearest::Nearest;
 use super::query::{Need, Query, Sought};
 use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
-use super::{Found, SideBySide};
+use super::{Found, Segment, SideBySide};
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 use crate::spacetime::Side;
@@ -117,7 +117,7 @@ impl Geometry {
         } else {
             found.clear();
             found.resize(lanes, None);
-            widest(Interleaved { geometry: self, queries, sought, found, near_start });
+            widest(Traversal { geometry: self, queries, sought, found, near_start });
         }
         for &lane in near_start.iter() {
             found[lane] = self.found_near_start(&queries.get(lane));
@@ -135,7 +135,7 @@ impl Geometry {
 }
 
 /// Takes all queries through the hierarchy.
-struct Interleaved<'a, S: SideBySide, F> {
+struct Traversal<'a, S: SideBySide, F> {
     geometry: &'a Geometry,
     queries: &'a Columns<Query<S>>,
     sought: F,
@@ -150,24 +150,57 @@ struct LaneWalk<'a, S> {
     lane: usize,
 }
 
-impl<S: SideBySide, F: Fn(usize) -> Sought> pulp::NullaryFnOnce for Interleaved<'_, S, F> {
+impl<'a, S: SideBySide> LaneWalk<'a, S> {
+    /// A walk that is over.
+    #[inline(always)]
+    fn new(geometry: &'a Geometry) -> Self {
+        let walk = Walk::new(HeapStack::new_with_capacity(geometry.bvh.pending()));
+        Self { walk, nearest: Nearest::new(geometry, &S::default(), PrimitiveId::NONE), lane: 0 }
+    }
+}
+
+impl<S: SideBySide, F: Fn(usize) -> Sought> pulp::NullaryFnOnce for Traversal<'_, S, F> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Interleaved { geometry, queries, sought, found, near_start } = self;
+        let bytes = self.geometry.bvh.memory_bytes() + self.geometry.triangles.memory_bytes();
+        if bytes < IN_CACHE { self.one_by_one() } else { self.interleaved() }
+    }
+}
+
+impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
+    /// In a loop of its own, so that what a walk needs stays in registers.
+    #[inline(always)]
+    fn one_by_one(self) {
+        let Traversal { geometry, queries, sought, found, near_start } = self;
+        let mut walk = Walk::new(HeapStack::new_with_capacity(geometry.bvh.pending()));
+        for (lane, found) in found.iter_mut().enumerate() {
+            let Query { segment, origin_prim, need } = queries.get(lane);
+            if need != Need::Whole {
+                continue;
+            }
+            let mut nearest = Nearest::new(geometry, &segment, origin_prim);
+            nearest.seek(sought(lane));
+            walk.start(&geometry.bvh, &nearest.chord(), nearest.until(), &mut nearest);
+            while walk.is_on {
+                walk.step(&geometry.bvh, &mut nearest);
+            }
+            *found = found_by(&nearest, &segment, || near_start.push(lane));
+        }
+    }
+
+    /// Several at once, a visit of each in turn.
+    #[inline(always)]
+    fn interleaved(self) {
+        let Traversal { geometry, queries, sought, found, near_start } = self;
         let bvh = &geometry.bvh;
-        let mut walks: [LaneWalk<S>; TURNS] = std::array::from_fn(|_| LaneWalk {
-            walk: Walk::new(HeapStack::new_with_capacity(bvh.pending())),
-            nearest: Nearest::new(geometry, &S::default(), PrimitiveId::NONE),
-            lane: 0,
-        });
-        let bytes = bvh.memory_bytes() + geometry.triangles.memory_bytes();
-        let turns = if bytes < IN_CACHE { 1 } else { TURNS };
+        // In no array: their loop, written out, would be slower by 2 %.
+        let mut walks: Vec<LaneWalk<S>> = (0..TURNS).map(|_| LaneWalk::new(geometry)).collect();
         let (mut lane, mut busy) = (0, true);
         while busy || lane < found.len() {
             busy = false;
-            for lane_walk in &mut walks[..turns] {
+            for lane_walk in &mut walks {
                 if !lane_walk.walk.is_on {
                     let Some(next) = (lane..found.len()).find(|&lane| queries.get(lane).need == Need::Whole)
                     else {
@@ -188,19 +221,28 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> pulp::NullaryFnOnce for Interleaved<
                     lane_walk.walk.prefetch(bvh, &lane_walk.nearest);
                     busy = true;
                 } else {
-                    let LaneWalk { lane, nearest: Nearest { hit, .. }, .. } = *lane_walk;
-                    if let Some(Hit { s, primitive }) = hit {
-                        let segment = queries.get(lane).segment;
-                        let point = segment.point(s);
-                        found[lane] = Some(Found { point, primitive });
-                        if geometry.is_near_start(segment.chord().start, point) {
-                            near_start.push(lane);
-                        }
-                    }
+                    let LaneWalk { lane, nearest, .. } = lane_walk;
+                    let segment = queries.get(*lane).segment;
+                    found[*lane] = found_by(nearest, &segment, || near_start.push(*lane));
                 }
             }
         }
     }
+}
+
+/// What a walk along `segment` found; calls `is_near` if that is near its start.
+#[inline(always)]
+fn found_by<S: Segment>(
+    nearest: &Nearest<S, PrimitiveId>,
+    segment: &S,
+    is_near: impl FnOnce(),
+) -> Option<Found> {
+    let Hit { s, primitive } = nearest.hit?;
+    let point = segment.point(s);
+    if nearest.geometry.is_near_start(segment.chord().start, point) {
+        is_near();
+    }
+    Some(Found { point, primitive })
 }
 
 #[cfg(test)]
@@ -209,7 +251,7 @@ mod tests {
 
     use super::*;
     use crate::geodesic::Arc;
-    use crate::geometry::{Instance, Line, Mesh, Primitives, Segment, Sphere, Surface};
+    use crate::geometry::{Instance, Line, Mesh, Primitives, Sphere, Surface};
 
     const LANES: usize = 30;
 

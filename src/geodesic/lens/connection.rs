@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::map::{Lens, Site};
 use super::track::{StraightLine, Track, oriented, straight};
-use crate::math::frame;
+use crate::math::{frame, half_turn};
 
 /// A ray from one place, x, to another, y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ impl Lens {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
         let cos = x.radial.dot(y.radial);
-        let angle = libm::atan2(sin, cos);
+        let angle = half_turn::angle(sin, cos);
         let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
         let swept = if odd { turns + (PI - angle) } else { turns + angle };
         let radial = swept < RADIAL;
@@ -75,7 +75,7 @@ impl Lens {
     pub fn estimated_arrival(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
         let spin = x.radial.cross(y.radial);
         let sin = spin.length();
-        let angle = libm::atan2(sin, x.radial.dot(y.radial));
+        let angle = half_turn::angle(sin, x.radial.dot(y.radial));
         let odd = winding % 2 == 1;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let along = if odd { -axis } else { axis }.cross(y.radial);
@@ -100,7 +100,7 @@ impl Lens {
     /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
     pub fn magnification_ratio(&self, x: &Site, y: &Site) -> f64 {
         let (spin, along) = (x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
-        let off = libm::atan2(spin, -along);
+        let off = half_turn::angle(spin, -along);
         // b²/f − b off − 2c = 0, whose roots are the impact parameters of the two images.
         let root = (off * off + 8.0 * self.weak * self.critical * (x.w + y.w)).sqrt();
         ((root - off) / (root + off)).powi(2)
@@ -109,7 +109,7 @@ impl Lens {
     /// The part of the light from a small source at `y` beyond a throat that goes around the far side, relative to what
     /// comes the near way: an estimate. m − 1 falls as e^−φ, and with it the solid angle that is left.
     pub fn ratio_beyond_throat(&self, x: &Site, y: &Site) -> f64 {
-        let angle = libm::atan2(x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
+        let angle = half_turn::angle(x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
         libm::exp(2.0 * (angle - PI))
     }
 
@@ -148,7 +148,7 @@ impl Lens {
             let cos = if y.q > x.q { -arrival.dot(y.radial) } else { direction.dot(x.radial) };
             let leaving = (b * near.q).min(1.0);
             let cos = (1.0 - leaving * leaving).sqrt().copysign(side * cos);
-            let gamma = libm::atan2(leaving, cos) - libm::asin((b * far.q).min(1.0));
+            let gamma = half_turn::angle(leaving, cos) - libm::asin((b * far.q).min(1.0));
             self.beside(near, far, gamma.max(RADIAL)).map(|track| oriented(track, y.q > x.q))
         }?;
         let sine =

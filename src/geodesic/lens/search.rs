@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::map::{Lens, Site};
 use super::track::{StraightLine, Track, oriented, straight};
+use crate::math::half_turn;
 use crate::math::kernel::widest;
 
 /// |s| below which both places are taken to be next to the photon sphere, relative errors of this size included: 1/B,
@@ -47,7 +48,7 @@ impl Lens {
         };
         let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
         let (sin, cos) = (near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin);
-        let most = PI - libm::atan2(sin, cos);
+        let most = PI - half_turn::angle(sin, cos);
         let guess = if swept < 0.9 * most { self.guess(near, far, swept, half) } else { swept };
         // Of a wide lens the bending is not weak at all.
         let guess = if guess > 0.0 { guess } else { 0.5 * swept };
