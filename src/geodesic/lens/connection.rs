@@ -43,8 +43,7 @@ impl Lens {
         let sin = spin.length();
         let cos = x.radial.dot(y.radial);
         let angle = half_turn::angle(sin, cos);
-        let (turns, odd) = (f64::from(winding) * PI, winding % 2 == 1);
-        let swept = if odd { turns + (PI - angle) } else { turns + angle };
+        let (swept, odd) = swept_by(angle, winding);
         let radial = swept < RADIAL;
         if radial && x.w == y.w && (x.s > 0.0) == (y.s > 0.0) {
             return None;
@@ -54,14 +53,9 @@ impl Lens {
         let track = self.track(x, y, (swept, sine / (1.0 + cos)))?;
         let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
         let axis = if odd { -axis } else { axis };
-        let vector = |site: &Site, [cos, sin]: [f64; 2]| {
-            // The axis is only as good as the angle between the places is large.
-            let along = axis.cross(site.radial).normalize();
-            (cos * site.radial + sin * along).normalize()
-        };
         Some(Connection {
-            direction: vector(x, track.start),
-            arrival: vector(y, track.end),
+            direction: direction_at(x, axis, track.start),
+            arrival: direction_at(y, axis, track.end),
             swept,
             b: track.b,
             geometry_factor: geometry_factor(x, y, &track, sine),
@@ -157,8 +151,25 @@ impl Lens {
     }
 }
 
+/// The angle that a ray with this winding number sweeps between places that are seen under an angle, and true if it goes
+/// around the other way.
+#[inline(always)]
+pub(super) fn swept_by(angle: f64, winding: u32) -> (f64, bool) {
+    let (turns, is_odd) = (f64::from(winding) * PI, winding % 2 == 1);
+    (turns + if is_odd { PI - angle } else { angle }, is_odd)
+}
+
+/// The unit direction at a place that has this cosine and sine to the radius, of a ray whose orbit has this axis.
+#[inline(always)]
+pub(super) fn direction_at(site: &Site, axis: DVec3, [cos, sin]: [f64; 2]) -> DVec3 {
+    // The axis is only as good as the angle between the places is large.
+    let along = axis.cross(site.radial).normalize();
+    (cos * site.radial + sin * along).normalize()
+}
+
 /// [`Connection::geometry_factor`] of a track from `x` to `y`, given |sin φ|.
-fn geometry_factor(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
+#[inline(always)]
+pub(super) fn geometry_factor(x: &Site, y: &Site, track: &Track, sine: f64) -> f64 {
     let far = if y.w > 0.0 { y.w * y.w } else { 1.0 };
     track.b * x.q * x.q * far / (sine * track.rate)
 }

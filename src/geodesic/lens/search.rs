@@ -16,6 +16,8 @@ const LARGEST: f64 = 128.0;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Bound on the estimated error of a root that is not evaluated, relative to the tolerance.
 const SLOPE_SAFETY: f64 = 0.1;
+/// Part of [`most_swept`] up to which guesses are taken as they are.
+pub(super) const NEAR_MOST: f64 = 0.98;
 /// Most iterations of a root.
 const MOST_ITERATIONS: u32 = 60;
 
@@ -41,18 +43,11 @@ impl Lens {
         }
         let reversed = y.q > x.q;
         let (near, far) = if reversed { (y, x) } else { (x, y) };
-        // Where b reaches b_c beyond the point next to the photon sphere: cos θ = −√(1 − (b_c q)²) at both ends.
-        let critical = |site: &Site| {
-            let s2 = site.s * site.s;
-            [1.0 - s2, (s2 * (2.0 - s2)).sqrt()]
-        };
-        let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
-        let (sin, cos) = (near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin);
-        let most = PI - half_turn::angle(sin, cos);
+        let most = most_swept(near, far);
         let guess = if swept < 0.9 * most { self.guess(near, far, swept, half) } else { swept };
         // Of a wide lens the bending is not weak at all.
         let guess = if guess > 0.0 { guess } else { 0.5 * swept };
-        let guess = if guess < 0.98 * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
+        let guess = if guess < NEAR_MOST * most { guess } else { most * (1.0 - 0.5 * libm::exp(-swept)) };
         root((0.0, most, guess), self.enough, &SameSideRays { lens: self, near, far, swept })
             .map(|track| oriented(track, reversed))
     }
@@ -207,6 +202,19 @@ fn root((mut low, mut high, guess): (f64, f64, f64), enough: f64, rays: &impl Fa
         at = if is_inside { next } else { 0.5 * (low + high) };
     }
     best
+}
+
+/// The angle that the critical ray between two places on one side of the photon sphere sweeps as a straight line, the most
+/// that any does.
+#[inline(always)]
+pub(super) fn most_swept(near: &Site, far: &Site) -> f64 {
+    // Where b reaches b_c beyond the point next to the photon sphere: cos θ = −√(1 − (b_c q)²) at both ends.
+    let critical = |site: &Site| {
+        let s2 = site.s * site.s;
+        [1.0 - s2, (s2 * (2.0 - s2)).sqrt()]
+    };
+    let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
+    PI - half_turn::angle(near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin)
 }
 
 /// Error of a swept angle that ends a search to this relative error.

@@ -34,25 +34,17 @@ impl<M: ConformallyFlat> Kernel for Sites<'_, M> {
 
 impl Lens {
     /// [`Self::site`] of many places: calls `each` for every one.
-    pub fn sites<M: ConformallyFlat>(
-        &self,
-        medium: &M,
-        places: impl Iterator<Item = DVec3>,
-        mut each: impl FnMut(Site),
-    ) {
-        let mut places = places.peekable();
-        while places.peek().is_some() {
-            let (mut offsets, mut count) = (<Offset as Row>::Block::default(), 0);
-            for x in places.by_ref().take(LANES) {
-                Offset::set(&mut offsets, count, Offset { x });
-                count += 1;
+    pub fn sites<M: ConformallyFlat>(&self, medium: &M, places: &[DVec3], mut each: impl FnMut(usize, Site)) {
+        for (number, places) in places.chunks(LANES).enumerate() {
+            let (mut offsets, mut sites) = (OffsetBlock::default(), <Site as Row>::Block::default());
+            for (lane, &x) in places.iter().enumerate() {
+                Offset::set(&mut offsets, lane, Offset { x });
             }
-            let mut sites = <Site as Row>::Block::default();
             map(&Sites { lens: self, medium }, &[offsets], NOTHING, std::slice::from_mut(&mut sites));
-            for lane in 0..count {
+            for (lane, &x) in places.iter().enumerate() {
                 let site = Site::get(&sites, lane);
                 let is_good = !self.is_in_tube(&site) && !self.is_near_photon_sphere(&site);
-                each(if is_good { site } else { self.site(medium, Offset::get(&offsets, lane).x) });
+                each(number * LANES + lane, if is_good { site } else { self.site(medium, x) });
             }
         }
     }

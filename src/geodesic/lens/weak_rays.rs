@@ -3,13 +3,12 @@
 //! The search of [`Lens::connect`] in straight-line code: two trials from the guess of weak bending on, the second by Newton's
 //! method, and cubic interpolation between them. What is not found for certain is searched for alone.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
+use super::connection::{direction_at, geometry_factor, swept_by};
 use super::map::{Lens, Site};
-use super::search::met;
-use super::track::{StraightLine, straight};
+use super::search::{NEAR_MOST, met, most_swept};
+use super::track::{StraightLine, Track, oriented, straight};
 use super::weak::WeakBending;
 use crate::math::columns::{LANES, Row, columns};
 use crate::math::half_turn;
@@ -60,8 +59,6 @@ struct LineTrial {
     is_known: bool,
 }
 
-/// Part of the greatest angle of straight lines up to which rays are looked for.
-const NEAR_MOST: f64 = 0.98;
 /// Error of the interpolated slope, beside the part of it that comes from the cubic term.
 const SAFETY: f64 = 0.1;
 
@@ -104,35 +101,26 @@ impl Kernel for WeakRays<'_> {
     fn run(&self, (x, y): &(Site, Site), &Winding { number }: &Winding) -> LensRay {
         let spin = x.radial.cross(y.radial);
         let (sin, cos) = (spin.length(), x.radial.dot(y.radial));
-        let (angle, is_odd) = (half_turn::angle(sin, cos), number % 2 == 1);
-        let swept = f64::from(number) * PI + if is_odd { PI - angle } else { angle };
+        let (swept, is_odd) = swept_by(half_turn::angle(sin, cos), number);
         let is_reversed = y.q > x.q;
         let near = if is_reversed { *y } else { *x };
         let far = if is_reversed { *x } else { *y };
         let ends = Ends { near: &near, far: &far, swept };
-        let most = PI - self.least(&near, &far);
+        let most = most_swept(&near, &far);
         let guess = self.lens.guess(&near, &far, swept, sin / (1.0 + cos));
         let guess = if (guess > 0.0) & (guess < NEAR_MOST * most) { guess } else { NEAR_MOST * most };
         let first = self.at(&ends, guess);
         let second = self.at(&ends, first.gamma - first.shift(swept));
         let (gamma, slope, is_good) = self.root(&ends, &first, &second);
-        let line = straight(&near, &far, gamma);
-        let [start, end] = [line.leaving, line.arriving];
-        let back = |[cos, sin]: [f64; 2]| [if is_reversed { -cos } else { cos }, sin];
-        let at_x = back(if is_reversed { end } else { start });
-        let at_y = back(if is_reversed { start } else { end });
+        let StraightLine { b, leaving: start, arriving: end, distance, .. } = straight(&near, &far, gamma);
+        let track = oriented(Track { swept, b, start, end, rate: slope * distance, distance }, is_reversed);
         let axis = spin / if is_odd { -sin } else { sin };
-        let vector = |radial: DVec3, [cos, sin]: [f64; 2]| {
-            // The axis is only as good as the angle between the places is large.
-            (cos * radial + sin * axis.cross(radial).normalize()).normalize()
-        };
         let is_outside = (x.s > 0.0) & (y.s > 0.0) & (x.depth == y.depth);
-        let rate = slope * line.distance;
-        let factor = line.b * x.q * x.q * if y.w > 0.0 { y.w * y.w } else { 1.0 } / (sin * rate);
-        let is_found = is_good & is_outside & (gamma > 0.0) & (gamma < most) & (rate > 0.0);
+        let is_found = is_good & is_outside & (gamma > 0.0) & (gamma < most) & (track.rate > 0.0);
+        let factor = geometry_factor(x, y, &track, sin);
         LensRay {
-            direction: vector(x.radial, at_x),
-            arrival: vector(y.radial, at_y),
+            direction: direction_at(x, axis, track.start),
+            arrival: direction_at(y, axis, track.end),
             geometry_factor: if is_found { factor } else { f64::NAN },
         }
     }
@@ -148,17 +136,6 @@ impl LineTrial {
 }
 
 impl WeakRays<'_> {
-    /// π less the angle that the critical ray sweeps as a straight line.
-    #[inline(always)]
-    fn least(&self, near: &Site, far: &Site) -> f64 {
-        let critical = |site: &Site| {
-            let s2 = site.s * site.s;
-            [1.0 - s2, (s2 * (2.0 - s2)).sqrt()]
-        };
-        let ([near_sin, near_cos], [far_sin, far_cos]) = (critical(near), critical(far));
-        half_turn::angle(near_sin * far_cos + near_cos * far_sin, near_cos * far_cos - near_sin * far_sin)
-    }
-
     /// The ray between two places whose straight line sweeps the angle `gamma`.
     #[inline(always)]
     fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> LineTrial {

@@ -113,11 +113,9 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
 
     fn place_all(&self, places: impl Iterator<Item = (Side, DVec3)>, found: &mut Vec<LensedPlace>) {
         let places: Vec<_> = places.collect();
-        let mut number = 0;
-        let from = |&(side, x): &(Side, DVec3)| x - self.mouths.center(side);
-        self.lens.sites(&self.medium, places.iter().map(from), |site| {
+        let offsets: Vec<_> = places.iter().map(|&(side, x)| x - self.mouths.center(side)).collect();
+        self.lens.sites(&self.medium, &offsets, |number, site| {
             found.push(self.place_at(places[number], site));
-            number += 1;
         });
     }
 
