@@ -199,23 +199,18 @@ impl<R: Real> Step<R> {
     pub fn new<M: ConformallyFlat>(medium: &M, stepper: &impl Stepper, b: R, start: Phase<R>, h: R) -> Self {
         let one = R::of(1.0);
         let b2 = b * b;
-        // 1/cos and cos. The root and the quotient do not wait for each other.
-        let secant = |xi: R| {
-            let squared = one + b2 * xi * xi;
-            let root = squared.sqrt();
-            (root, root * (one / squared))
-        };
-        let force = |xi: R, [position]: [R; 1]| {
-            let (_, c) = secant(xi);
-            [medium.pull(position * c) * (c * c * c)]
-        };
+        let secant2 = |xi: R| one + b2 * xi * xi;
+        let force = |xi: R, [position]: [R; 1]| [medium.projected_pull(position, secant2(xi))];
         let Trial {
             gain: [gain],
             velocity: [velocity],
             position_error: [position_error],
             velocity_error: [v_error],
         } = stepper.step(force, [[start.w], [start.v], [start.pull]], h);
-        let (secant, c) = secant(h);
+        let secant2 = secant2(h);
+        // The root and the quotient do not wait for each other.
+        let secant = secant2.sqrt();
+        let c = secant * (one / secant2);
         let position = start.w + gain;
         let sin = b * h * c;
         let (w, v) = (position * c, velocity * secant - position * (b * sin));

@@ -34,7 +34,7 @@ mod vertex_normals;
 
 pub use attributes::Attributes;
 pub use cross_section::{CrossSection, Plane};
-pub use found::Found;
+pub use found::{Finds, Found};
 pub use line::Line;
 pub use mesh::{Instance, Mesh};
 pub use mesh_point::MeshPoint;

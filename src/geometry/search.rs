@@ -10,7 +10,7 @@ use super::nearest::Nearest;
 use super::query::{Need, Query, Sought};
 use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
-use super::{Found, Segment, SideBySide};
+use super::{Finds, Found, Segment, SideBySide};
 use crate::math::columns::Columns;
 use crate::math::kernel::widest;
 use crate::spacetime::Side;
@@ -19,8 +19,8 @@ use crate::spacetime::Side;
 pub struct Search<S: SideBySide> {
     /// Queries to search.
     pub queries: Columns<Query<S>>,
-    /// The first crossing, by lane; nothing for what is not to be searched as a whole.
-    pub found: Vec<Option<Found>>,
+    /// The first crossings; nothing for what is not to be searched as a whole.
+    pub found: Finds,
     few: SmallScene,
     /// Lanes whose first crossing is near their start.
     near_start: Vec<usize>,
@@ -31,7 +31,7 @@ pub struct Search<S: SideBySide> {
 struct SideQueries<S: SideBySide> {
     lanes: Vec<usize>,
     queries: Columns<Query<S>>,
-    found: Vec<Option<Found>>,
+    found: Finds,
 }
 
 /// Queries for each that is put together with others for a search side by side, at least.
@@ -44,10 +44,10 @@ const IN_CACHE: usize = 1 << 21;
 
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
-        let part = SideQueries { lanes: Vec::new(), queries: Columns::default(), found: Vec::new() };
+        let part = SideQueries { lanes: Vec::new(), queries: Columns::default(), found: Finds::default() };
         Self {
             queries: Columns::default(),
-            found: Vec::new(),
+            found: Finds::default(),
             few: SmallScene::default(),
             near_start: Vec::new(),
             part,
@@ -73,13 +73,12 @@ impl Geometry {
         if self.far.is_none() && !self.are_worth_gathering(queries, lanes) {
             return self.search_own((queries, sought), found, (few, near_start), lanes);
         }
-        found.clear();
-        found.resize(lanes, None);
+        found.reset(lanes);
         for side in Side::BOTH {
             let Some(geometry) = self.of(side) else { continue };
             let is_on = |query: &Query<S>| query.need == Need::Whole && query.origin_prim.side() == side;
             part.lanes.clear();
-            part.lanes.extend((0..lanes).filter(|&lane| is_on(&queries.get(lane))));
+            part.lanes.extend(queries.lanes_where(lanes, is_on));
             part.queries.gather(part.lanes.len(), |i| {
                 let query = queries.get(part.lanes[i]);
                 Query { origin_prim: query.origin_prim.on(Side::Near), ..query }
@@ -87,8 +86,8 @@ impl Geometry {
             let lanes = part.lanes.len();
             let sought = |lane: usize| sought(part.lanes[lane]);
             geometry.search_own((&part.queries, sought), &mut part.found, (few, near_start), lanes);
-            for (&lane, hit) in part.lanes.iter().zip(&part.found) {
-                found[lane] = hit.map(|hit| Found { primitive: hit.primitive.on(side), ..hit });
+            for (i, hit) in part.found.iter() {
+                found.add(part.lanes[i], Found { primitive: hit.primitive.on(side), ..hit });
             }
         }
     }
@@ -99,7 +98,7 @@ impl Geometry {
         if !self.is_small::<S>() {
             return false;
         }
-        let needed = (0..lanes).filter(|&lane| queries.get(lane).need == Need::Whole).count();
+        let needed = queries.lanes_where(lanes, |query| query.need == Need::Whole).count();
         SPARSE * needed < lanes
     }
 
@@ -107,20 +106,21 @@ impl Geometry {
     fn search_own<S: SideBySide>(
         &self,
         (queries, sought): (&Columns<Query<S>>, impl Fn(usize) -> Sought),
-        found: &mut Vec<Option<Found>>,
+        found: &mut Finds,
         (few, near_start): (&mut SmallScene, &mut Vec<usize>),
         lanes: usize,
     ) {
         near_start.clear();
+        found.reset(lanes);
         if self.is_small::<S>() {
             few.search::<S>(self, (queries.blocks(lanes), lanes), found, near_start);
         } else {
-            found.clear();
-            found.resize(lanes, None);
-            widest(Traversal { geometry: self, queries, sought, found, near_start });
+            widest(Traversal { geometry: self, queries, lanes, sought, found, near_start });
         }
         for &lane in near_start.iter() {
-            found[lane] = self.found_near_start(&queries.get(lane));
+            if let Some(first) = self.found_near_start(&queries.get(lane)) {
+                found.add(lane, first);
+            }
         }
     }
 
@@ -138,8 +138,9 @@ impl Geometry {
 struct Traversal<'a, S: SideBySide, F> {
     geometry: &'a Geometry,
     queries: &'a Columns<Query<S>>,
+    lanes: usize,
     sought: F,
-    found: &'a mut [Option<Found>],
+    found: &'a mut Finds,
     near_start: &'a mut Vec<usize>,
 }
 
@@ -173,9 +174,9 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
     /// In a loop of its own, so that what a walk needs stays in registers.
     #[inline(always)]
     fn one_by_one(self) {
-        let Traversal { geometry, queries, sought, found, near_start } = self;
+        let Traversal { geometry, queries, lanes, sought, found, near_start } = self;
         let mut walk = Walk::new(HeapStack::new_with_capacity(geometry.bvh.pending()));
-        for (lane, found) in found.iter_mut().enumerate() {
+        for lane in 0..lanes {
             let Query { segment, origin_prim, need } = queries.get(lane);
             if need != Need::Whole {
                 continue;
@@ -186,25 +187,24 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
             while walk.is_on {
                 walk.step(&geometry.bvh, &mut nearest);
             }
-            *found = found_by(&nearest, &segment, || near_start.push(lane));
+            add_found(&nearest, (&segment, lane), found, near_start);
         }
     }
 
     /// Several at once, a visit of each in turn.
     #[inline(always)]
     fn interleaved(self) {
-        let Traversal { geometry, queries, sought, found, near_start } = self;
+        let Traversal { geometry, queries, lanes, sought, found, near_start } = self;
         let bvh = &geometry.bvh;
         // In no array: their loop, written out, would be slower by 2 %.
         let mut walks: Vec<LaneWalk<S>> = (0..TURNS).map(|_| LaneWalk::new(geometry)).collect();
         let (mut lane, mut busy) = (0, true);
-        while busy || lane < found.len() {
+        while busy || lane < lanes {
             busy = false;
             for lane_walk in &mut walks {
                 if !lane_walk.walk.is_on {
-                    let Some(next) = (lane..found.len()).find(|&lane| queries.get(lane).need == Need::Whole)
-                    else {
-                        lane = found.len();
+                    let Some(next) = (lane..lanes).find(|&lane| queries.get(lane).need == Need::Whole) else {
+                        lane = lanes;
                         continue;
                     };
                     lane = next + 1;
@@ -223,26 +223,28 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
                 } else {
                     let LaneWalk { lane, nearest, .. } = lane_walk;
                     let segment = queries.get(*lane).segment;
-                    found[*lane] = found_by(nearest, &segment, || near_start.push(*lane));
+                    add_found(nearest, (&segment, *lane), found, near_start);
                 }
             }
         }
     }
 }
 
-/// What a walk along `segment` found; calls `is_near` if that is near its start.
+/// Adds what a walk along the segment of a lane found to the others, or the lane to those where that is near its start.
 #[inline(always)]
-fn found_by<S: Segment>(
+fn add_found<S: Segment>(
     nearest: &Nearest<S, PrimitiveId>,
-    segment: &S,
-    is_near: impl FnOnce(),
-) -> Option<Found> {
-    let Hit { s, primitive } = nearest.hit?;
+    (segment, lane): (&S, usize),
+    found: &mut Finds,
+    near_start: &mut Vec<usize>,
+) {
+    let Some(Hit { s, primitive }) = nearest.hit else { return };
     let point = segment.point(s);
     if nearest.geometry.is_near_start(segment.chord().start, point) {
-        is_near();
+        near_start.push(lane);
+    } else {
+        found.add(lane, Found { point, primitive });
     }
-    Some(Found { point, primitive })
 }
 
 #[cfg(test)]
@@ -261,12 +263,12 @@ mod tests {
         let mut search = Search::default();
         search.queries.gather(LANES, query);
         geometry.search_all(&mut search, LANES);
-        for (i, found) in search.found.iter().enumerate() {
+        for i in 0..LANES {
             let alone = geometry.intersect_brute_force(&segment(i), PrimitiveId::NONE);
             let alone = alone.map(|Hit { s, primitive }| Found { point: segment(i).point(s), primitive });
-            assert_eq!(*found, alone, "segment {i}");
+            assert_eq!(search.found.get(i), alone, "segment {i}");
         }
-        assert!(search.found.iter().any(Option::is_some));
+        assert!(search.found.iter().next().is_some());
         // Few among others that need no search.
         let all = std::mem::take(&mut search.found);
         let is_needed = |i: usize| i % 4 == 1;
@@ -275,8 +277,8 @@ mod tests {
             Query { need, ..query(i) }
         });
         geometry.search_all(&mut search, LANES);
-        for (i, found) in all.iter().enumerate() {
-            assert_eq!(search.found[i], found.filter(|_| is_needed(i)), "segment {i} among few");
+        for i in 0..LANES {
+            assert_eq!(search.found.get(i), all.get(i).filter(|_| is_needed(i)), "segment {i} among few");
         }
     }
 
@@ -345,10 +347,10 @@ mod tests {
             Query { segment, origin_prim: own, need: if i == 4 { Need::Nothing } else { Need::Whole } }
         });
         geometry.search_all(&mut search, LANES);
-        for (i, found) in search.found.iter().enumerate() {
+        for i in 0..LANES {
             let meets = i % 2 == 0 && i != 4;
             assert_eq!(
-                found.map(|found| found.point),
+                search.found.get(i).map(|found| found.point),
                 meets.then_some(DVec3::new(0.2, 0.2, 1.5)),
                 "line {i}"
             );
@@ -387,7 +389,7 @@ mod tests {
         geometry.search_all(&mut search, LINES);
         let first = std::mem::take(&mut search.found);
         let part = |i: usize| (i % 97) as f64 / 97.0;
-        let sought = |i: usize| match (i % 4, first[i]) {
+        let sought = |i: usize| match (i % 4, first.get(i)) {
             (0, _) => Sought::First,
             (1, _) => Sought::Nothing,
             (2, _) => Sought::Point(lines[i].point(part(i))),
@@ -396,7 +398,7 @@ mod tests {
         };
         geometry.seek_all(&mut search, LINES, sought);
         let mut counts = [0; 4];
-        for (i, (&less, &first)) in search.found.iter().zip(&first).enumerate() {
+        for (i, (less, first)) in (0..LINES).map(|i| (i, (search.found.get(i), first.get(i)))) {
             let is_before = |found: Option<Found>| {
                 found.is_some_and(|found| lines[i].parameter_beside(found.point) < part(i))
             };

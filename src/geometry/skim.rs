@@ -163,7 +163,7 @@ mod tests {
         search.queries.gather(ways.len(), query);
         geometry.search_all(&mut search, ways.len());
         for (i, (way, met)) in ways.into_iter().enumerate() {
-            assert_eq!(search.found[i].map(|found| found.primitive), met, "{way:?}");
+            assert_eq!(search.found.get(i).map(|found| found.primitive), met, "{way:?}");
             let alone = geometry.intersect(&query(i).segment, floor);
             assert_eq!(alone.map(|hit| hit.primitive), met, "{way:?}");
         }

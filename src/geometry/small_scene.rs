@@ -10,7 +10,7 @@ use super::line::LineBlock;
 use super::query::{Need, Query, QueryBlock};
 use super::scene::Item;
 use super::sphere::FromStart;
-use super::{Found, Geometry, Line, PrimitiveId, Segment, Sphere, Triangle};
+use super::{Finds, Found, Geometry, Line, PrimitiveId, Segment, Sphere, Triangle};
 use crate::geodesic::Arc;
 use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
 use crate::math::columns::{Field, LANES, Row};
@@ -97,7 +97,7 @@ impl SmallScene {
         &mut self,
         geometry: &Geometry,
         (queries, lanes): (&[<Query<S> as Row>::Block], usize),
-        found: &mut Vec<Option<Found>>,
+        found: &mut Finds,
         near_start: &mut Vec<usize>,
     ) {
         widest(Searching::<S> { geometry, queries, lanes, few: self, found, near_start });
@@ -293,7 +293,7 @@ struct Searching<'a, S: SideBySide> {
     queries: &'a [QueryBlock<S::Block>],
     lanes: usize,
     few: &'a mut SmallScene,
-    found: &'a mut Vec<Option<Found>>,
+    found: &'a mut Finds,
     near_start: &'a mut Vec<usize>,
 }
 
@@ -330,7 +330,6 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
                 best[lane as usize / LANES].consider(geometry, lane as usize % LANES, slot, s);
             }
         }
-        found.clear();
         for (number, (queries, Crossings { s, slot })) in queries.iter().zip(best.iter()).enumerate() {
             let (mut points, mut is_near) = (DVec3::block::<LANES>(), [false; LANES]);
             for lane in 0..LANES {
@@ -342,9 +341,11 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
             for lane in 0..LANES.min(lanes - number * LANES) {
                 let primitive = PrimitiveId { item: slot[lane], triangle: 0 };
                 let point = <DVec3 as Field>::get(&points, lane);
-                found.push((s[lane] < f64::INFINITY).then_some(Found { point, primitive }));
+                let at = number * LANES + lane;
                 if is_near[lane] {
-                    near_start.push(number * LANES + lane);
+                    near_start.push(at);
+                } else if s[lane] < f64::INFINITY {
+                    found.add(at, Found { point, primitive });
                 }
             }
         }

@@ -239,6 +239,25 @@ impl<R: Row> Columns<R> {
         R::set(&mut self.blocks[lane / LANES], lane % LANES, row);
     }
 
+    /// Those of the first `lanes` lanes whose rows are so: quick where few are.
+    pub fn lanes_where(
+        &self,
+        lanes: usize,
+        is_so: impl Fn(&R) -> bool + Copy,
+    ) -> impl Iterator<Item = usize> {
+        let in_block = move |block: &R::Block, lane| is_so(&R::get(block, lane));
+        // All lanes of a block, so that they are looked at side by side.
+        let any = move |block: &R::Block| (0..LANES).fold(false, |any, lane| any | in_block(block, lane));
+        (self.blocks(lanes).iter().enumerate()).filter(move |(_, block)| any(block)).flat_map(
+            move |(number, block)| {
+                let first = number * LANES;
+                (0..LANES.min(lanes - first))
+                    .filter(move |&lane| in_block(block, lane))
+                    .map(move |i| first + i)
+            },
+        )
+    }
+
     /// Blocks that hold the first `lanes` lanes.
     pub fn blocks(&self, lanes: usize) -> &[R::Block] {
         &self.blocks[..lanes.div_ceil(LANES)]

@@ -22,6 +22,16 @@ pub trait ConformallyFlat: Copy + Send + Sync + 'static {
     /// ½ d(n²)/dw at the inverse radius `w`: the pull towards the centre, times ρ².
     fn pull<R: Real>(&self, w: R) -> R;
 
+    /// The pull of an orbit in its gnomonic projection: pull(W c) c³ at W = `projected`, given `secant2` = 1/c².
+    ///
+    /// Of all that a step does this is done most often: roots and quotients are what takes time.
+    #[inline(always)]
+    fn projected_pull<R: Real>(&self, projected: R, secant2: R) -> R {
+        // The root and the quotient do not wait for each other.
+        let c = secant2.sqrt() * (R::of(1.0) / secant2);
+        self.pull(projected * c) * (c * c * c)
+    }
+
     /// The lapse N at the inverse radius `w`: how fast a clock at rest runs beside coordinate time. 1 in a medium that
     /// only bends light.
     fn lapse(&self, _w: f64) -> f64 {

@@ -73,6 +73,10 @@ macro_rules! media {
                 match self { $(Self::$name(metric) => metric.pull(w),)+ }
             }
 
+            fn projected_pull<R: Real>(&self, projected: R, secant2: R) -> R {
+                match self { $(Self::$name(metric) => metric.projected_pull(projected, secant2),)+ }
+            }
+
             fn lapse(&self, w: f64) -> f64 {
                 match self { $(Self::$name(metric) => metric.lapse(w),)+ }
             }

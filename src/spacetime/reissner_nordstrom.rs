@@ -105,6 +105,19 @@ impl ConformallyFlat for ReissnerNordstrom {
         (R::of(2.0) * (a * inverse) * rising) * (a * inverse) * (a * inverse)
     }
 
+    /// With σ = 1/c, x = h²W² and A = σ² + MWσ + x: 2 A³ (Mσ³ + h²W (3σ² − x)) / (σ² (σ² − x))³.
+    #[inline(always)]
+    fn projected_pull<R: Real>(&self, projected: R, secant2: R) -> R {
+        let (hw, secant) = (R::of(self.h) * projected, secant2.sqrt());
+        let (x, h2w) = (hw * hw, R::of(self.h) * hw);
+        // σ² − x, whose factors do not cancel.
+        let d = (secant - hw) * (secant + hw);
+        let a = secant2 + R::of(self.mass) * projected * secant + x;
+        let over = a * (R::of(1.0) / (secant2 * d));
+        let rising = R::of(self.mass) * secant * secant2 + h2w * (R::of(3.0) * secant2 - x);
+        (R::of(2.0) * over * rising) * over * over
+    }
+
     /// (1 − h²w²)/a.
     fn lapse(&self, w: f64) -> f64 {
         let (a, d, _) = self.terms(w);

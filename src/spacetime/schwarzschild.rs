@@ -72,6 +72,16 @@ impl ConformallyFlat for Schwarzschild {
         (rising * inverse) * (inverse * inverse)
     }
 
+    /// With q = hW and σ = 1/c: 2h (σ + q)⁵ (2σ − q) / (σ² (σ − q))³.
+    #[inline(always)]
+    fn projected_pull<R: Real>(&self, projected: R, secant2: R) -> R {
+        let (q, secant) = (R::of(self.horizon) * projected, secant2.sqrt());
+        let (a, inverse) = (secant + q, R::of(1.0) / (secant2 * (secant - q)));
+        let a2 = a * a;
+        let rising = R::of(2.0 * self.horizon) * (a2 * a2 * a * (secant + (secant - q)));
+        (rising * inverse) * (inverse * inverse)
+    }
+
     /// (1 − u)/(1 + u).
     fn lapse(&self, w: f64) -> f64 {
         let u = self.horizon * w;

@@ -6,7 +6,7 @@ use super::arc_sweep::ArcSweep;
 use super::curved::departure::way_out;
 use super::curved::march::{March, march, march_by};
 use super::curved::worlds::{OneWorld, TwoWorlds};
-use super::curved::{Curved, Lane};
+use super::curved::{Curved, Entrance, Lane};
 use super::field::FieldTransport;
 use super::paper::PaperMarch;
 use super::spinning::Spinning;
@@ -164,6 +164,7 @@ impl<M: ConformallyFlat, W> CenteredMedium<M, W> {
         let Self { medium, worlds, sky, chart, arc_tolerance } = self;
         let (tolerance, control) = (scene.settings.tolerance, march.control());
         let way_out = if sky { way_out(&medium, tolerance) } else { None };
-        Curved { medium, march, worlds, way_out, sky, chart, control, tolerance, arc_tolerance }
+        let entrance = Entrance::new(&medium, &chart, tolerance);
+        Curved { medium, march, worlds, entrance, way_out, sky, chart, control, tolerance, arc_tolerance }
     }
 }

@@ -274,7 +274,7 @@ pub fn land_all_on_rays<T: Retrace>(
     for (i, &(lane, found)) in hits.iter().enumerate() {
         let arrival = arrivals.get(i);
         let ray = || (flights.get(lane), moves.get(lane));
-        let met = || between.found[i].map(|found| found.primitive);
+        let met = || between.found.get(i).map(|found| found.primitive);
         each(lane, land(transport, geometry, (found, supports.get(i)), &arrival, ray, met));
     }
 }

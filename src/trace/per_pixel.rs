@@ -1,7 +1,7 @@
 //! The per-pixel schedule: one path after the other, from the camera to its end.
 
 use super::job::Job;
-use super::path::Gathers;
+use super::path::{Gathers, Path};
 use super::ray_cone::RayCone;
 use super::ray_end::RayEnd;
 use super::samples::Samples;
@@ -12,9 +12,9 @@ use super::stages::generate::generate;
 use super::stages::intersect::intersect;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_beside, record_end, record_step};
+use super::stages::record::{record_beside, record_end, record_entrance, record_step};
 use super::stages::shade::{gather, shade};
-use super::stats::Counters;
+use super::stats::{Counters, Fates};
 use super::transport::{Landing, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::Work;
@@ -50,7 +50,7 @@ fn trace_path<T: Transport>(
     };
     let mut carried = T::Carried::default();
     let origin_prim = PrimitiveId::none_on(job.scene.camera.side);
-    let mut flight = transport.launch(&Start { position, direction, origin_prim, carried });
+    let start = Start { position, direction, origin_prim, carried };
     let mut vertex = Vertex::default();
     let mut cone = match &job.cones {
         Some(cones) => cones.of_camera(job.scene, path.sample, (position, direction)),
@@ -58,6 +58,15 @@ fn trace_path<T: Transport>(
     };
     counters.paths += u64::from(path.gathers != Gathers::Lamps);
     counters.rays += 1;
+    let mut flight = match transport.enter(&start) {
+        Outcome::Flying(flight) => flight,
+        lost => {
+            lose(job, (&mut path, &vertex), lost, samples, &mut counters.fates);
+            samples.radiance[path.slot as usize] = path.radiance;
+            return Some(());
+        }
+    };
+    record_entrance(&path, || transport.length_before(&start, &flight), samples);
     loop {
         let step = transport.advance(&flight);
         let found = intersect(transport, geometry, &flight, &step, counters);
@@ -110,50 +119,49 @@ fn trace_path<T: Transport>(
             continue;
         }
         let (outcome, arrived) = transport.settle(Some(geometry), &flight, &step, found);
-        let (fate, side) = match outcome {
-            Outcome::Flying(next) => {
-                flight = next;
-                continue;
-            }
+        match outcome {
+            Outcome::Flying(next) => flight = next,
             Outcome::Landed(landing) if passes(job, &mut path, &landing) => {
                 flight = transport.launch(&behind(&landing, arrived));
-                continue;
             }
             Outcome::Landed(landing) => {
                 counters.fates.hit += 1;
                 let numbers = Numbers::draw(job, &path);
-                match shade(job, &mut path, (&mut vertex, &mut cone), &landing, &numbers, samples) {
-                    Some(direction) => {
-                        carried = arrived;
-                        let Landing { position, primitive: origin_prim, .. } = landing;
-                        flight = transport.launch(&Start { position, direction, origin_prim, carried });
-                        counters.count_ray(vertex.light_ray_in_flight);
-                        continue;
-                    }
-                    None => break,
-                }
+                let next = shade(job, &mut path, (&mut vertex, &mut cone), &landing, &numbers, samples);
+                let Some(direction) = next else { break };
+                carried = arrived;
+                let Landing { position, primitive: origin_prim, .. } = landing;
+                flight = transport.launch(&Start { position, direction, origin_prim, carried });
+                counters.count_ray(vertex.light_ray_in_flight);
             }
-            Outcome::Escaped(there) => {
-                counters.fates.escaped += 1;
-                escape(job, &mut path, &vertex, there);
-                (RayEnd::Escaped, Some(there.side))
+            lost => {
+                lose(job, (&mut path, &vertex), lost, samples, &mut counters.fates);
+                break;
             }
-            Outcome::Captured => {
-                counters.fates.captured += 1;
-                (RayEnd::Captured, None)
-            }
-            Outcome::StepLimit => {
-                counters.fates.step_limit += 1;
-                (RayEnd::StepLimit, None)
-            }
-            Outcome::NonFinite => {
-                counters.fates.non_finite += 1;
-                (RayEnd::NonFinite, None)
-            }
-        };
-        record_end(job, &path, fate, side, samples);
-        break;
+        }
     }
     samples.radiance[path.slot as usize] = path.radiance;
     Some(())
+}
+
+/// Ends a path whose ray met nothing.
+fn lose<F>(
+    job: &Job,
+    (path, vertex): (&mut Path, &Vertex),
+    outcome: Outcome<F>,
+    samples: &mut Samples,
+    fates: &mut Fates,
+) {
+    let (count, (fate, side)) = match outcome {
+        Outcome::Flying(_) | Outcome::Landed(_) => return,
+        Outcome::Escaped(there) => {
+            escape(job, path, vertex, there);
+            (&mut fates.escaped, (RayEnd::Escaped, Some(there.side)))
+        }
+        Outcome::Captured => (&mut fates.captured, (RayEnd::Captured, None)),
+        Outcome::StepLimit => (&mut fates.step_limit, (RayEnd::StepLimit, None)),
+        Outcome::NonFinite => (&mut fates.non_finite, (RayEnd::NonFinite, None)),
+    };
+    *count += 1;
+    record_end(job, path, fate, side, samples);
 }

@@ -59,7 +59,7 @@ impl<T: Transport> RayBatch<T> {
             transport.advance_all(flights.blocks(live), moves.blocks_mut(live));
             let sought = (live, |_| Sought::First);
             intersect_all(transport, geometry, (flights, moves), search, sought, &mut counters);
-            let (found, exactly) = (&search.found[..live], &exactly[..live]);
+            let (found, exactly) = (&search.found, &exactly[..live]);
             transport.settle_all(
                 Moved { geometry, flights, moves, found, exactly },
                 scratch,

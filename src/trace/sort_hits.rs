@@ -2,20 +2,19 @@
 
 use super::land_on_arc::ArcLandings;
 use super::land_on_ray::RayLandings;
-use crate::geometry::Found;
+use crate::geometry::Finds;
 use crate::math::columns::Row;
 
 /// Sorts what the lanes found: on the arc lands what need not land `exactly`, and where the arc `is_close` to the ray.
 pub fn sort_hits<S: Row>(
-    (found, exactly): (&[Option<Found>], &[bool]),
+    (found, exactly): (&Finds, &[bool]),
     is_close: impl Fn(usize) -> bool,
     on_arcs: &mut ArcLandings,
     on_rays: &mut RayLandings<S>,
 ) {
     on_rays.hits.clear();
     on_arcs.hits.clear();
-    for (lane, found) in found.iter().enumerate() {
-        let Some(found) = *found else { continue };
+    for (lane, found) in found.iter() {
         let stays = !exactly[lane] || is_close(lane);
         let hits = if stays { &mut on_arcs.hits } else { &mut on_rays.hits };
         hits.push((lane, found));

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 
 use glam::DVec3;
 
-use crate::geometry::{Found, Geometry, PrimitiveId, Query, SideBySide};
+use crate::geometry::{Finds, Found, Geometry, PrimitiveId, Query, SideBySide};
 use crate::light::{Beams, LightSampler};
 use crate::math::columns::{Columns, Row};
 use crate::math::kernel::Kernel;
@@ -89,7 +89,7 @@ pub struct Moved<'a, T: Transport> {
     /// Their moves.
     pub moves: &'a Columns<T::Move>,
     /// Hits on the moves.
-    pub found: &'a [Option<Found>],
+    pub found: &'a Finds,
     /// True for rays whose exact landing matters; else a landing may be on the segment that was searched.
     pub exactly: &'a [bool],
 }
@@ -138,6 +138,29 @@ pub trait Transport: Send + Sync + Sized {
         }
     }
 
+    /// Launches a ray of the camera, which may start at the edge of all geometry instead of where nothing is near; its end
+    /// if it never comes near any.
+    fn enter(&self, start: &Start<Self::Carried>) -> Outcome<Self::Flight> {
+        Outcome::Flying(self.launch(start))
+    }
+
+    /// Launches rays of the camera into their lanes, and calls `end` for those that never come near any geometry, by
+    /// lane, with their payloads there.
+    fn enter_all(
+        &self,
+        starts: &[(usize, Start<Self::Carried>)],
+        flights: &mut Columns<Self::Flight>,
+        scratch: &mut Self::Scratch,
+        _: impl FnMut(usize, Outcome<Self::Flight>, Self::Carried),
+    ) {
+        self.launch_all(starts, flights, scratch);
+    }
+
+    /// Coordinate length of the way that a ray of the camera has come when it has `entered`.
+    fn length_before(&self, _: &Start<Self::Carried>, _entered: &Self::Flight) -> f64 {
+        0.0
+    }
+
     /// The next move of a ray; touches nothing but the ray.
     fn advance(&self, flight: &Self::Flight) -> Self::Move;
 
@@ -179,8 +202,9 @@ pub trait Transport: Send + Sync + Sized {
         mut end: impl FnMut(usize, Outcome<Self::Flight>, Self::Carried),
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
-        for (lane, (&found, &exactly)) in found.iter().zip(exactly).enumerate() {
-            match self.settle(exactly.then_some(geometry), &flights.get(lane), &moves.get(lane), found) {
+        for (lane, exactly) in exactly.iter().enumerate() {
+            let (geometry, found) = (exactly.then_some(geometry), found.get(lane));
+            match self.settle(geometry, &flights.get(lane), &moves.get(lane), found) {
                 (Outcome::Flying(next), _) => flights.set(lane, next),
                 (outcome, carried) => end(lane, outcome, carried),
             }

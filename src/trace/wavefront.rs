@@ -19,9 +19,9 @@ use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_beside, record_end, record_step};
+use super::stages::record::{record_beside, record_end, record_entrance, record_step};
 use super::stages::shade::{Shading, gather};
-use super::stats::{Counters, Lap, StageTimes};
+use super::stats::{Counters, Fates, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
 use super::vertex::Vertex;
 use super::work::Work;
@@ -73,6 +73,24 @@ struct Events<C> {
     finished: Vec<usize>,
     /// Lanes whose paths have no camera ray.
     beside: Vec<usize>,
+}
+
+impl<C> Events<C> {
+    /// Adds the end of a ray that met nothing.
+    fn lose<F>(&mut self, lane: usize, outcome: Outcome<F>, fates: &mut Fates) {
+        let (count, end) = match outcome {
+            Outcome::Flying(_) | Outcome::Landed(_) => return,
+            Outcome::Escaped(there) => {
+                fates.escaped += 1;
+                return self.escaped.push((lane, there));
+            }
+            Outcome::Captured => (&mut fates.captured, RayEnd::Captured),
+            Outcome::StepLimit => (&mut fates.step_limit, RayEnd::StepLimit),
+            Outcome::NonFinite => (&mut fates.non_finite, RayEnd::NonFinite),
+        };
+        *count += 1;
+        self.ended.push((lane, end));
+    }
 }
 
 impl<T: Transport> Wavefront<T> {
@@ -170,7 +188,7 @@ impl<T: Transport> Wavefront<T> {
         let mut fresh = 0;
         loop {
             fresh += self.fill(job, transport, work, next, samples, counters);
-            // Beside the picture of a fisheye paths end before they start.
+            // Beside the picture of a fisheye paths end before they start, past all geometry as they start.
             if self.events.finished.is_empty() {
                 return fresh;
             }
@@ -227,9 +245,27 @@ impl<T: Transport> Wavefront<T> {
         lanes.clear();
         lanes.append(beside);
         counters.rays += fresh as u64;
-        transport.launch_all(starts, &mut self.flights, &mut self.scratch);
-        starts.clear();
+        self.enter(transport, samples, counters);
+        self.escape(job, samples);
+        self.film(samples);
         fresh
+    }
+
+    /// Launches camera rays.
+    fn enter(&mut self, transport: &T, samples: &mut Samples, counters: &mut Counters) {
+        let Self { flights, scratch, paths, events, .. } = self;
+        let starts = std::mem::take(&mut events.starts);
+        transport.enter_all(&starts, flights, scratch, |lane, outcome, _| {
+            events.lose(lane, outcome, &mut counters.fates);
+        });
+        if samples.needs().length {
+            for (lane, start) in &starts {
+                let length = || transport.length_before(start, &flights.get(*lane));
+                record_entrance(&paths[*lane], length, samples);
+            }
+        }
+        events.starts = starts;
+        events.starts.clear();
     }
 
     /// Gives lanes of finished paths to the last paths, from the back so that no finished lane is moved, until only
@@ -278,7 +314,7 @@ impl<T: Transport> Wavefront<T> {
         if job.illumination.as_ref().is_some_and(|illumination| illumination.lights.has_points()) {
             for lane in 0..live {
                 let Some((illumination, vertex)) = lit(lane) else { continue };
-                let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
+                let ray = (&flights.get(lane), &moves.get(lane), search.found.get(lane));
                 if light::passes_its_light(illumination, transport, ray, vertex) {
                     events.lit.push((lane, true));
                 }
@@ -287,7 +323,7 @@ impl<T: Transport> Wavefront<T> {
         let passed = events.lit.len();
         let fates = &mut counters.fates;
         let geometry = &job.scene.geometry;
-        let (found, exactly) = (&search.found[..live], &exactly[..live]);
+        let (found, exactly) = (&search.found, &exactly[..live]);
         transport.settle_all(
             Moved { geometry, flights, moves, found, exactly },
             scratch,
@@ -319,22 +355,7 @@ impl<T: Transport> Wavefront<T> {
                         geometry.prefetch_surface(landing.primitive);
                         events.landed.push((lane, landing));
                     }
-                    Outcome::Escaped(there) => {
-                        fates.escaped += 1;
-                        events.escaped.push((lane, there));
-                    }
-                    Outcome::Captured => {
-                        fates.captured += 1;
-                        events.ended.push((lane, RayEnd::Captured));
-                    }
-                    Outcome::StepLimit => {
-                        fates.step_limit += 1;
-                        events.ended.push((lane, RayEnd::StepLimit));
-                    }
-                    Outcome::NonFinite => {
-                        fates.non_finite += 1;
-                        events.ended.push((lane, RayEnd::NonFinite));
-                    }
+                    lost => events.lose(lane, lost, fates),
                 }
             },
         );
@@ -349,7 +370,7 @@ impl<T: Transport> Wavefront<T> {
             let light_ray_in_flight =
                 self.vertices.get(lane).is_some_and(|vertex| vertex.light_ray_in_flight);
             let length = || {
-                let point = self.search.found[lane].map(|found| found.point);
+                let point = self.search.found.get(lane).map(|found| found.point);
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
             record_step(path, light_ray_in_flight, length, samples);
@@ -363,7 +384,7 @@ impl<T: Transport> Wavefront<T> {
         }
         let Self { flights, moves, paths, vertices, search, .. } = self;
         for (lane, path) in paths.iter_mut().enumerate() {
-            let ray = (&flights.get(lane), &moves.get(lane), search.found[lane]);
+            let ray = (&flights.get(lane), &moves.get(lane), search.found.get(lane));
             absorb(job, transport, ray, path, vertices.get_mut(lane));
         }
     }

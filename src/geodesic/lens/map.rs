@@ -199,7 +199,7 @@ impl Site {
 }
 
 /// Bisects for the number at which a predicate that holds from `low` on ceases to, between `low` and `high`.
-fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+pub(super) fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     while high - low > f64::EPSILON * high {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {

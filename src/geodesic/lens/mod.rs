@@ -34,6 +34,7 @@
 //! with R = φ′(γ) D on one side, D = q_x q_y times the length of the straight line; in flat space this is 1/distance².
 
 mod connection;
+mod inwards;
 mod map;
 mod rules;
 mod search;
@@ -47,6 +48,7 @@ mod weak;
 mod weak_rays;
 
 pub use connection::Connection;
+pub use inwards::InwardBending;
 pub use map::{Lens, Site};
 pub use weak::WeakBending;
 pub use weak_rays::LensRay;

@@ -2,8 +2,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::Lens;
+use super::{InwardBending, Lens};
 use crate::geodesic::{Control, Dop853, Launch, OrbitEnd, Phase, follow};
+use crate::math::quadrature::gauss_legendre;
 use crate::spacetime::{ConformallyFlat, Fate, Schwarzschild};
 
 fn lens() -> (Schwarzschild, Lens) {
@@ -84,4 +85,42 @@ fn the_way_to_infinity_in_closed_form_is_the_one_in_steps() {
     // On the way out, and on the way in first.
     assert!(known[0] > 300 && known[1] > 300, "{known:?}");
     assert!(Lens::new(&hole, 1e-12).unwrap().weak_bending().is_none());
+}
+
+#[test]
+fn rays_from_outside_sweep_the_integral_of_their_orbit_on_the_way_inwards() {
+    let hole = Schwarzschild::new(1.0);
+    let rule = gauss_legendre(16);
+    for tolerance in [1e-5, 1e-7, 1e-9] {
+        let (mut known, mut fits) = (0, 0);
+        for (rho, near) in [(20.0, 6.5), (60.0, 10.0), (1e4, 6.5), (1e4, 50.0), (1e9, 6.5)] {
+            let [w0, w1] = [1.0 / rho, 1.0 / near];
+            let Some(bending) = InwardBending::new(&hole, w1, tolerance) else { continue };
+            fits += 1;
+            let grazing = hole.index(w1) / w1;
+            for part in [0.0, 1e-9, 0.03, 0.1, 0.3, 0.5, 0.9, 0.975, 1.1] {
+                let b = part * grazing;
+                let rate = |w: f64| (hole.index_squared(w) - (b * w) * (b * w)).sqrt();
+                const PANELS: usize = 64;
+                let width = (w1 - w0) / PANELS as f64;
+                let exact: f64 = (0..PANELS)
+                    .flat_map(|i| rule.iter().map(move |&(x, weight)| (i, x, weight)))
+                    .map(|(i, x, weight)| {
+                        let w = w0 + width * (i as f64 + 0.5 * (1.0 + x));
+                        0.5 * width * weight * b / rate(w)
+                    })
+                    .sum();
+                let n = hole.index(w0);
+                let ([cos, sin], cosine, is_known) = bending.swept(b, w0 / n, rate(w0) / n);
+                if is_known {
+                    known += 1;
+                    let error = (sin * exact.cos() - cos * exact.sin()).abs();
+                    assert!(error < tolerance && cos > 0.0, "{rho} to {near}, {part}: {error}");
+                    assert!((cosine - rate(w1) / hole.index(w1)).abs() < 1e-12);
+                    assert!((cos * cos + sin * sin - 1.0).abs() < 1e-14);
+                }
+            }
+        }
+        assert!(fits > 0 && known > 4 * fits, "{tolerance}: {known} of {fits}");
+    }
 }

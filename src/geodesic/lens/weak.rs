@@ -68,6 +68,8 @@ macro_rules! each {
     };
 }
 
+pub(super) use each;
+
 impl WeakBending {
     /// Fits `stretch`, κ as a function of b_c/B, to a relative `tolerance`; `None` if that takes more terms.
     pub(super) fn fit(critical: f64, tolerance: f64, stretch: impl Fn(f64) -> f64) -> Option<Self> {
@@ -173,17 +175,23 @@ impl WeakBending {
             power *= share;
         };
         each!(add below TERMS: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
-        let (sinc, c) = small_sinc_cos(half);
-        let s = half * sinc;
-        let (sin_bend, versine) = (2.0 * s * c, 2.0 * s * s);
-        let turned = |along: f64, across: f64| along - along * versine + across * sin_bend;
-        ([turned(cos, -sin), turned(sin, cos)], is_known)
+        (turned([cos, sin], half), is_known)
     }
+}
+
+/// Cosine and sine of an angle with these, and twice `half` more.
+#[inline(always)]
+pub(super) fn turned([cos, sin]: [f64; 2], half: f64) -> [f64; 2] {
+    let (sinc, c) = small_sinc_cos(half);
+    let s = half * sinc;
+    let (sin_bend, versine) = (2.0 * s * c, 2.0 * s * s);
+    let turned = |along: f64, across: f64| along - along * versine + across * sin_bend;
+    [turned(cos, -sin), turned(sin, cos)]
 }
 
 /// The angle with this cosine and sine, not negative, to 1e-10.
 #[inline(always)]
-fn angle(cos: f64, sin: f64) -> f64 {
+pub(super) fn angle(cos: f64, sin: f64) -> f64 {
     // Tangents of a half and of a quarter of it, or of what it lacks to a half turn.
     let half = sin / (1.0 + cos.abs());
     let quarter = half / (1.0 + (1.0 + half * half).sqrt());

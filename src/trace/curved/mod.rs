@@ -3,6 +3,8 @@
 mod commit_step;
 mod cross_throat;
 pub mod departure;
+mod enter;
+mod entrance;
 mod flight;
 mod launch;
 pub mod march;
@@ -27,6 +29,8 @@ use crate::math::kernel::{Kernel, NOTHING, map, update};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Side};
 use commit_step::Committing;
 use departure::Departure;
+use enter::Entering;
+pub use entrance::Entrance;
 pub use flight::{CurvedFlight, CurvedMove, Lane};
 use launch::Launching;
 pub use rays::Curved;
@@ -73,6 +77,37 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Curved<M, R, W> {
             OrbitEnd::StepLimit => Outcome::StepLimit,
             OrbitEnd::Falls | OrbitEnd::Misses | OrbitEnd::NonFinite => Outcome::NonFinite,
         }
+    }
+
+    /// Ends of the `leaving` ones of some rays; `end` is told each.
+    fn depart_all(
+        &self,
+        flights: &Columns<CurvedFlight<R>>,
+        (leaving, departures): (&[usize], &mut Columns<Departure<R>>),
+        mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>),
+    ) {
+        let Some(way) = self.way_out.as_ref().filter(|_| self.sky) else {
+            return leaving.iter().for_each(|&lane| end(lane, self.outcome(&flights.get(lane))));
+        };
+        departures.gather(leaving.len(), |i| Departure::of(&flights.get(leaving[i])));
+        way.depart_all(departures.blocks_mut(leaving.len()));
+        for (i, &lane) in leaving.iter().enumerate() {
+            end(lane, self.departed(&flights.get(lane), &departures.get(i)));
+        }
+    }
+
+    /// Launches rays together, side by side.
+    fn launch_together(&self, starts: &[(usize, Start)], scratch: &mut Scratch<R>) {
+        let Scratch { starts: places, launched, .. } = scratch;
+        let lanes = starts.len();
+        places.gather(lanes, |i| starts[i].1.into());
+        launched.resize(lanes);
+        map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
+    }
+
+    /// Kernel that takes rays to the `entrance`.
+    fn entering<'a>(&'a self, entrance: &'a Entrance<R>) -> Entering<'a, M, R, W> {
+        Entering { curved: self, entrance, order: self.march.order() }
     }
 
     /// Landing of a ray on what a search found: if a `geometry` is given on the ray itself, unless the arc is as good.
@@ -142,13 +177,57 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         flights: &mut Columns<CurvedFlight<R>>,
         scratch: &mut Scratch<R>,
     ) {
-        let Scratch { starts: places, launched, .. } = scratch;
-        let lanes = starts.len();
-        places.gather(lanes, |i| starts[i].1.into());
-        launched.resize(lanes);
-        map(&Launching::of(self), places.blocks(lanes), NOTHING, launched.blocks_mut(lanes));
+        self.launch_together(starts, scratch);
         for (i, &(lane, _)) in starts.iter().enumerate() {
-            flights.set(lane, launched.get(i));
+            flights.set(lane, scratch.launched.get(i));
+        }
+    }
+
+    fn enter(&self, start: &Start) -> Outcome<CurvedFlight<R>> {
+        let flight = self.launch(start);
+        self.outcome(
+            &self.entrance.as_ref().map_or(flight, |entrance| self.entering(entrance).run(&flight, &())),
+        )
+    }
+
+    fn enter_all(
+        &self,
+        starts: &[(usize, Start)],
+        flights: &mut Columns<CurvedFlight<R>>,
+        scratch: &mut Scratch<R>,
+        mut end: impl FnMut(usize, Outcome<CurvedFlight<R>>, ()),
+    ) {
+        let Some(entrance) = &self.entrance else { return self.launch_all(starts, flights, scratch) };
+        self.launch_together(starts, scratch);
+        let Scratch { launched, leaving, departures, .. } = scratch;
+        update(&self.entering(entrance), launched.blocks_mut(starts.len()), NOTHING);
+        leaving.clear();
+        for (i, &(lane, _)) in starts.iter().enumerate() {
+            let flight = launched.get(i);
+            flights.set(lane, flight);
+            if flight.status == FlightStatus::Leaves {
+                leaving.push(i);
+            }
+        }
+        self.depart_all(launched, (leaving, departures), |i, outcome| end(starts[i].0, outcome, ()));
+    }
+
+    fn length_before(&self, start: &Start, entered: &CurvedFlight<R>) -> f64 {
+        let (mut flight, mut length) = (self.launch(start), 0.0);
+        if self.entrance.is_none() || entered.w <= flight.w {
+            return length;
+        }
+        let end = entered.position + self.worlds.of(start.origin_prim).center;
+        loop {
+            let step = self.advance(&flight);
+            if step.accepted && (step.w >= entered.w || step.v < R::of(0.0)) {
+                return length + self.length(&flight, &step, Some(end));
+            }
+            length += self.length(&flight, &step, None);
+            match self.settle(None, &flight, &step, None).0 {
+                Outcome::Flying(next) => flight = next,
+                _ => return length,
+            }
         }
     }
 
@@ -213,7 +292,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let Scratch { on_rays, on_arcs, crossings, leaving, departures, .. } = scratch;
-        let lanes = found.len();
+        let lanes = exactly.len();
         sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let arc = |lane| self.arc(&flights.get(lane), &moves.get(lane));
         land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
@@ -222,7 +301,7 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         });
         crossings.clear();
         if self.worlds.throat().is_some() {
-            let flying = (0..lanes).filter(|&lane| found[lane].is_none());
+            let flying = (0..lanes).filter(|&lane| found.get(lane).is_none());
             crossings.extend(flying.filter_map(|lane| {
                 self.crossing(&flights.get(lane), &moves.get(lane)).map(|beyond| (lane, beyond))
             }));
@@ -231,24 +310,17 @@ impl<M: ConformallyFlat, R: Lane, W: Worlds<M> + 'static> Transport for Curved<M
         update(&Committing(self), flights.blocks_mut(lanes), moves.blocks(lanes));
         crossings.iter().for_each(|&(lane, beyond)| flights.set(lane, beyond));
         leaving.clear();
-        for (lane, found) in found.iter().enumerate() {
-            // Few rays end without landing: what was found is seldom asked for.
-            let status = flights.get(lane).status;
-            if status != FlightStatus::Flies && found.is_none() {
-                if status == FlightStatus::Leaves && self.way_out.is_some() {
-                    leaving.push(lane);
-                } else {
-                    end(lane, self.outcome(&flights.get(lane)), ());
-                }
+        for lane in flights.lanes_where(lanes, |flight| flight.status != FlightStatus::Flies) {
+            if found.get(lane).is_some() {
+                continue;
+            }
+            let flight = flights.get(lane);
+            match flight.status {
+                FlightStatus::Leaves => leaving.push(lane),
+                _ => end(lane, self.outcome(&flight), ()),
             }
         }
-        departures.gather(leaving.len(), |i| Departure::of(&flights.get(leaving[i])));
-        if let Some(way) = &self.way_out {
-            way.depart_all(departures.blocks_mut(leaving.len()));
-        }
-        for (i, &lane) in leaving.iter().enumerate() {
-            end(lane, self.departed(&flights.get(lane), &departures.get(i)), ());
-        }
+        self.depart_all(flights, (leaving, departures), |lane, outcome| end(lane, outcome, ()));
     }
 
     fn side(&self, flight: &Self::Flight) -> Side {

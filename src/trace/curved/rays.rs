@@ -1,6 +1,7 @@
 //! Curved rays of a spacetime: their tolerances, and the arcs that are searched along them.
 
 use super::departure::WayOut;
+use super::entrance::Entrance;
 use super::flight::{CurvedFlight, CurvedMove, Lane};
 use super::march::{March, keeps_outside};
 use super::worlds::Worlds;
@@ -18,6 +19,8 @@ pub struct Curved<M, R, W> {
     pub march: Box<dyn March<R>>,
     /// Worlds that they move in.
     pub worlds: W,
+    /// Where rays from outside of all geometry start, if it is known how they come there.
+    pub entrance: Option<Entrance<R>>,
     /// Way to infinity, if another than the march's is known.
     pub way_out: Option<Box<dyn WayOut<R>>>,
     /// True if the directions of escaped rays at infinity matter; else rays are not followed there.

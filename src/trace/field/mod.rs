@@ -167,7 +167,7 @@ impl Transport for FieldTransport {
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let FieldScratch { on_rays, on_arcs, .. } = scratch;
-        let lanes = found.len();
+        let lanes = exactly.len();
         sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let arc = |lane| Self::arc(&flights.get(lane), &moves.get(lane));
         land_all_on_arcs(on_arcs, arc, |lane, landing| end(lane, Outcome::Landed(landing), ()));
@@ -176,9 +176,8 @@ impl Transport for FieldTransport {
         });
         // Those that landed go on as well, to nowhere.
         update(&FieldCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
-        for (lane, found) in found.iter().enumerate() {
-            // Few rays end without landing: what was found is seldom asked for.
-            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
+        for lane in flights.lanes_where(lanes, |flight| flight.status != FlightStatus::Flies) {
+            if found.get(lane).is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());
             }
         }

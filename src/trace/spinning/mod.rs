@@ -148,7 +148,7 @@ impl Transport for Spinning {
     ) {
         let Moved { geometry, flights, moves, found, exactly } = moved;
         let SpinningScratch { on_rays, on_arcs, at_rest, .. } = scratch;
-        let lanes = found.len();
+        let lanes = exactly.len();
         sort_hits((found, exactly), |lane| moves.get(lane).is_close, on_arcs, on_rays);
         let mut land = |lane, landing| at_rest.landings.push((lane, landing));
         land_all_on_arcs(on_arcs, |lane| self.arc(&flights.get(lane), &moves.get(lane)), &mut land);
@@ -156,8 +156,8 @@ impl Transport for Spinning {
         land_all_at_rest(&self.place, at_rest, |lane, outcome| end(lane, outcome, ()));
         // Those that landed go on as well, to nowhere.
         update(&SpinningCommits(self), flights.blocks_mut(lanes), moves.blocks(lanes));
-        for (lane, found) in found.iter().enumerate() {
-            if flights.get(lane).status != FlightStatus::Flies && found.is_none() {
+        for lane in flights.lanes_where(lanes, |flight| flight.status != FlightStatus::Flies) {
+            if found.get(lane).is_none() {
                 end(lane, self.outcome(&flights.get(lane)), ());
             }
         }

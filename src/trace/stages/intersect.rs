@@ -40,17 +40,15 @@ pub fn intersect_all<T: Transport>(
     } else {
         geometry.search_all(search, lanes);
     }
-    for lane in 0..lanes {
-        match search.queries.get(lane).need {
-            Need::Nothing => counters.steps += 1,
-            Need::Whole => {
-                counters.steps += 1;
-                counters.queries += 1;
-            }
-            Need::Pieces => {
-                let (flight, step) = (flights.get(lane), moves.get(lane));
-                search.found[lane] = intersect(transport, geometry, &flight, &step, counters);
-            }
+    let Search { queries, found, .. } = search;
+    counters.queries += queries.lanes_where(lanes, |query| query.need == Need::Whole).count() as u64;
+    let mut whole = lanes;
+    for lane in queries.lanes_where(lanes, |query| query.need == Need::Pieces) {
+        whole -= 1;
+        let (flight, step) = (flights.get(lane), moves.get(lane));
+        if let Some(first) = intersect(transport, geometry, &flight, &step, counters) {
+            found.add(lane, first);
         }
     }
+    counters.steps += whole as u64;
 }

@@ -59,6 +59,14 @@ pub fn record_beside(path: &Path, samples: &mut Samples) {
     }
 }
 
+/// Records the way of a camera ray before its first step, computed only if wanted.
+#[inline]
+pub fn record_entrance(path: &Path, length: impl FnOnce() -> f64, samples: &mut Samples) {
+    if samples.needs().length {
+        samples.camera_rays[path.slot as usize].length += length();
+    }
+}
+
 /// Adds a step, of a light ray or not, and for camera rays its length, computed only if wanted.
 #[inline]
 pub fn record_step(

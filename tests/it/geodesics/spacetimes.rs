@@ -60,6 +60,23 @@ fn the_pull_is_half_the_derivative_of_the_squared_index() {
 }
 
 #[test]
+fn the_projected_pull_is_the_pull_projected() {
+    for (name, metric) in media() {
+        for (i, w) in inverse_radii(&metric).into_iter().enumerate() {
+            let c = 1.0 / (1.0 + 0.1 * (i % 20) as f64);
+            let (expected, pull) = (metric.pull(w) * c * c * c, metric.projected_pull(w / c, 1.0 / (c * c)));
+            // Near the horizon both magnify the rounding of w.
+            let near = 1.0 / (1.0 - w * metric.horizon()).abs();
+            let error = (pull / expected - 1.0).abs();
+            assert!(
+                error < 30.0 * f64::EPSILON * (1.0 + near),
+                "{name}, w = {w}, c = {c}: {pull}, {expected}"
+            );
+        }
+    }
+}
+
+#[test]
 fn the_photon_sphere_is_the_minimum_of_the_index_times_the_radius() {
     for (name, metric) in media() {
         let b = |rho: f64| metric.index(1.0 / rho) * rho;
