@@ -41,7 +41,7 @@ pub use field::{
 pub(crate) use field::{at_infinity, lane, set_lane};
 pub use follow::{Journey, OrbitEnd, follow, until};
 pub use leapfrog4::Leapfrog4;
-pub use lens::{Connection, InwardBending, Lens, LensRay, Site, WeakBending};
+pub use lens::{Connection, InwardBending, Lens, LensRay, RayDirections, Site, WeakBending};
 pub use orbit::{Launch, Phase, Step};
 pub use orbit_stepper::OrbitStepper;
 pub use powers::{UsePowers, with_powers};

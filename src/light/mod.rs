@@ -28,7 +28,7 @@ mod spherical_triangle;
 mod spots;
 mod tree;
 
-pub use aim::beams::Beams;
+pub use aim::beams::{BeamRay, Beams};
 pub use aim::field::{FieldAim, FieldWay};
 pub use aim::lensed::Lensed;
 pub use aim::straight::StraightAim;

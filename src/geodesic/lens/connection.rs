@@ -29,9 +29,9 @@ pub struct Connection {
 }
 
 /// Angle, radians, that a radial ray is taken to sweep: far below rounding.
-const RADIAL: f64 = 1e-20;
+pub(super) const RADIAL: f64 = 1e-20;
 /// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
-const AROUND: f64 = 1.0;
+pub(super) const AROUND: f64 = 1.0;
 /// Angle between places, radians, up to which a ray is guessed to be bent weakly.
 const WEAK: f64 = 2.8;
 

@@ -45,10 +45,12 @@ mod tests;
 mod track;
 mod travel_time;
 mod weak;
+mod weak_beams;
 mod weak_rays;
 
 pub use connection::Connection;
 pub use inwards::InwardBending;
 pub use map::{Lens, Site};
 pub use weak::WeakBending;
+pub use weak_beams::RayDirections;
 pub use weak_rays::LensRay;

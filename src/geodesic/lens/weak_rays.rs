@@ -36,27 +36,27 @@ columns! {
 }
 
 /// Kernel that finds rays; NaN where they must be searched for.
-struct WeakRays<'a> {
-    lens: &'a Lens,
-    bending: &'a WeakBending,
+pub(super) struct WeakRays<'a> {
+    pub(super) lens: &'a Lens,
+    pub(super) bending: &'a WeakBending,
 }
 
 /// Two places on one side of the photon sphere, and the angle that a ray between them is to sweep.
-struct Ends<'a> {
-    near: &'a Site,
-    far: &'a Site,
-    swept: f64,
+pub(super) struct Ends<'a> {
+    pub(super) near: &'a Site,
+    pub(super) far: &'a Site,
+    pub(super) swept: f64,
 }
 
 /// A ray by the angle that it sweeps as a straight line.
 #[derive(Clone, Copy)]
-struct LineTrial {
+pub(super) struct LineTrial {
     gamma: f64,
     /// The angle that it sweeps, and the derivative.
-    swept: f64,
-    slope: f64,
+    pub(super) swept: f64,
+    pub(super) slope: f64,
     /// True if that is known.
-    is_known: bool,
+    pub(super) is_known: bool,
 }
 
 /// Error of the interpolated slope, beside the part of it that comes from the cubic term.
@@ -138,7 +138,7 @@ impl LineTrial {
 impl WeakRays<'_> {
     /// The ray between two places whose straight line sweeps the angle `gamma`.
     #[inline(always)]
-    fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> LineTrial {
+    pub(super) fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> LineTrial {
         let line = straight(near, far, gamma);
         let StraightLine { b, leaving, arriving, .. } = line;
         let [change, turn] = line.changes(near, far);

@@ -4,9 +4,24 @@ use glam::DVec3;
 
 use crate::spacetime::Side;
 
+/// A ray that a narrow beam surrounds.
+#[derive(Clone, Copy, Debug)]
+pub struct BeamRay {
+    /// Side and world position of its start.
+    pub from: (Side, DVec3),
+    /// Unit direction in which it leaves.
+    pub leaving: DVec3,
+    /// Side and world position of its end.
+    pub to: (Side, DVec3),
+    /// Unit direction of travel in which it arrives.
+    pub arriving: DVec3,
+}
+
 /// Widths of narrow beams in a spacetime in which they are known in closed form.
 pub trait Beams: Send + Sync {
-    /// Widths across the ray, scene units, of a beam of one radian from a place in the world of a side, where its ray leaves
-    /// in a unit direction, to another, where it arrives travelling in one: in the plane of its orbit, and out of that.
-    fn widths(&self, from: ((Side, DVec3), DVec3), to: ((Side, DVec3), DVec3)) -> Option<[f64; 2]>;
+    /// Widths across the ray, scene units, of a beam of one radian: in the plane of its orbit, and out of that.
+    fn widths(&self, ray: &BeamRay) -> Option<[f64; 2]>;
+
+    /// [`Self::widths`] of many: calls `each` for every one.
+    fn all_widths(&self, rays: &[BeamRay], each: &mut dyn FnMut(usize, Option<[f64; 2]>));
 }

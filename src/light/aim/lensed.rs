@@ -5,9 +5,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::beams::Beams;
+use super::beams::{BeamRay, Beams};
 use super::{Aim, Approach, Link};
-use crate::geodesic::{Lens, LensRay, Site};
+use crate::geodesic::{Lens, LensRay, RayDirections, Site};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Mouths, Side};
 
 /// Rays around the centre of a spacetime.
@@ -209,14 +209,27 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
     }
 }
 
+impl<M: ConformallyFlat> Lensed<M> {
+    /// A ray that a beam surrounds, between its places, as the lens sees it.
+    fn beam(&self, ray: &BeamRay, [x, y]: [&LensedPlace; 2]) -> (Site, Site, RayDirections) {
+        let (leaving, arriving) = (self.as_near(x, ray.leaving), self.as_near(y, ray.arriving));
+        (x.site, y.site, RayDirections { leaving, arriving })
+    }
+}
+
 impl<M: ConformallyFlat> Beams for Lensed<M> {
-    fn widths(
-        &self,
-        (from, direction): ((Side, DVec3), DVec3),
-        (to, arrival): ((Side, DVec3), DVec3),
-    ) -> Option<[f64; 2]> {
-        let (x, y) = (self.place(from.0, from.1), self.place(to.0, to.1));
-        let (direction, arrival) = (self.as_near(&x, direction), self.as_near(&y, arrival));
-        self.lens.beam_widths(&x.site, direction, &y.site, arrival)
+    fn widths(&self, ray: &BeamRay) -> Option<[f64; 2]> {
+        let [x, y] = [ray.from, ray.to].map(|(side, position)| self.place(side, position));
+        let mut found = None;
+        self.lens.all_beam_widths(&[self.beam(ray, [&x, &y])], |_, widths| found = widths);
+        found
+    }
+
+    fn all_widths(&self, rays: &[BeamRay], each: &mut dyn FnMut(usize, Option<[f64; 2]>)) {
+        let mut places = Vec::with_capacity(2 * rays.len());
+        self.place_all(rays.iter().flat_map(|ray| [ray.from, ray.to]), &mut places);
+        let ends = places.as_chunks().0.iter().zip(rays);
+        let beams: Vec<_> = ends.map(|([x, y], ray)| self.beam(ray, [x, y])).collect();
+        self.lens.all_beam_widths(&beams, each);
     }
 }

@@ -34,7 +34,7 @@ pub fn shade(
 ) -> Option<DVec3> {
     let mut varied = None;
     let surface = job.scene.geometry.surface_point(landing.primitive, landing.position);
-    let at = (landing, surface);
+    let at = (landing, surface, None);
     let (arrival, material) = arrive(job, path, (vertex, cone), at, (samples, &mut varied))?;
     let (lobe, incidence) = (&material.lobe, arrival.meeting.incidence(landing.direction));
     let query = light_query(job, path, material, landing, &arrival, numbers);
@@ -55,6 +55,8 @@ const AT_ONCE: usize = 64;
 #[derive(Default)]
 pub struct Shading {
     met: SurfacesMet,
+    /// Of cones where their rays land, if rays are bent.
+    widths: Vec<f64>,
     /// Those that are scattered at, with their places among all, and those of their queries for light.
     arrivals: Vec<(usize, ScatterPoint, Option<usize>)>,
     queries: Vec<LightQuery>,
@@ -76,7 +78,7 @@ impl Shading {
         samples: &mut Samples,
         mut end: impl FnMut(usize, &Vertex, Option<DVec3>),
     ) {
-        let Self { met, arrivals, queries, sampling, lights, hits: scattering } = self;
+        let Self { met, widths, arrivals, queries, sampling, lights, hits: scattering } = self;
         let geometry = &job.scene.geometry;
         let (mut free, mut point, mut varied) = (Vertex::default(), RayCone::default(), None);
         for first in (0..landed.len()).step_by(AT_ONCE) {
@@ -85,6 +87,10 @@ impl Shading {
             let part = landed.iter().enumerate().skip(first).take(AT_ONCE);
             let hits = part.clone().map(|(_, (_, landing))| (landing.primitive, landing.position));
             geometry.surface_points(hits, met);
+            if let Some(of_scene) = &job.cones {
+                let landed = part.clone().map(|(_, (lane, landing))| (&cones[*lane], landing));
+                of_scene.bent_widths(landed, widths);
+            }
             for (number, (place, (lane, landing))) in part.enumerate() {
                 let numbers = draws.vertex(place);
                 let (path, vertex) = (&mut paths[*lane], vertices.get(*lane).unwrap_or(&free));
@@ -93,7 +99,8 @@ impl Shading {
                     Some(surface) => surface,
                     None => geometry.surface_point(landing.primitive, landing.position),
                 };
-                match arrive(job, path, (vertex, cone), (landing, surface), (samples, &mut varied)) {
+                let at = (landing, surface, widths.get(number).copied());
+                match arrive(job, path, (vertex, cone), at, (samples, &mut varied)) {
                     Some((arrival, material)) => {
                         scattering.push(
                             &material.lobe,
@@ -141,13 +148,13 @@ struct ScatterPoint {
 }
 
 /// Looks up and records the surface that a path landed on with its material, which is `varied` where textures vary it, and
-/// gathers what it emits; `None` if the path ends here.
+/// gathers what it emits; `None` if the path ends here. With the surface comes the width of the path's cone, if it is known.
 #[inline(always)]
 fn arrive<'a>(
     job: &Job<'a>,
     path: &mut Path,
     (vertex, cone): (&Vertex, &RayCone),
-    (landing, surface): (&Landing, SurfacePoint),
+    (landing, surface, width): (&Landing, SurfacePoint, Option<f64>),
     (samples, varied): (&mut Samples, &'a mut Option<Material>),
 ) -> Option<(ScatterPoint, &'a Material)> {
     let base = &job.scene.materials[surface.surface.material as usize];
@@ -155,7 +162,7 @@ fn arrive<'a>(
         return None;
     }
     let mut meeting = meet_surface(job.scene, landing, path.media, surface);
-    let width = job.cones.as_ref().map_or(0.0, |cones| cones.width(cone, landing));
+    let width = width.or_else(|| Some(job.cones.as_ref()?.width(cone, landing))).unwrap_or(0.0);
     if job.has_maps {
         let footprint = match job.cones {
             Some(_) => cone.footprint(width, landing.direction.dot(meeting.surface.normal)),

@@ -7,7 +7,7 @@ use crate::support::{
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::json;
 use warpfront::geometry::PrimitiveId;
-use warpfront::light::{Beams, Lensed};
+use warpfront::light::{BeamRay, Beams, Lensed};
 use warpfront::scene::{Baked, LightSampling};
 use warpfront::spacetime::{ConformallyFlat, Ellis, Mouths, Schwarzschild, Side};
 use warpfront::trace::transport::{Landing, Outcome};
@@ -155,8 +155,9 @@ fn beams_through_a_throat_are_as_wide_as_neighbouring_rays_are_apart() {
                 [0.5, -0.5].map(|half| landing(turned(half * in_plane, half * beside)).position);
             (one - other - (one - other).dot(arrival) * arrival).length() / APART
         };
-        let (from, to) = ((Side::Near, eye), (primitive.side(), position));
-        let found = beams.widths((from, turned(0.0, 0.0)), (to, arrival)).expect("widths");
+        let (leaving, to) = (turned(0.0, 0.0), (primitive.side(), position));
+        let ray = BeamRay { from: (Side::Near, eye), leaving, to, arriving: arrival };
+        let found = beams.widths(&ray).expect("widths");
         for (found, apart) in found.into_iter().zip([width(APART, 0.0), width(0.0, APART)]) {
             assert!(
                 (found / apart - 1.0).abs() < 2e-3,
