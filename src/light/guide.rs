@@ -2,9 +2,10 @@
 //!
 //! No formula aims a ray through glass at a lamp. Photons know: they are sent out by the lamps, and where one lands
 //! after mirrors and glass, light from there came back the same way. Photons that came the same way to the same
-//! neighbourhood are summed up by a lobe of directions, whose middle moves with the place: a linear fit. A ray chosen
-//! from these lobes has a density known in closed form, so that light found with it can be shared with light found by
-//! BSDF sampling, however well or badly the lobes fit.
+//! neighbourhood are summed up by a lobe of directions, whose middle moves with the place: a linear fit; or by several
+//! where they come from several directions, as under a ball of glass, whose caustics cross. A ray chosen from these lobes
+//! has a density known in closed form, so that light found with it can be shared with light found by BSDF sampling, however
+//! well or badly the lobes fit.
 //!
 //! Reference for guiding by photons: Jensen 1995, "Importance Driven Path Tracing using the Photon Map".
 
@@ -87,11 +88,14 @@ struct GuideLobe {
 }
 
 /// Most photons of a leaf.
-const LEAF: usize = 48;
+const LEAF: usize = 96;
 /// Photons below which a lobe's middle is not fitted but taken as constant.
 const FEWEST_TO_FIT: usize = 6;
-/// Size of a lobe relative to the deviation of its photons: an even disk has a radius of two deviations.
-const SIZE: f64 = 2.0;
+/// Least gain of two lobes over one, in the mean logarithm of the density of their photons.
+const GAIN: f64 = 0.3;
+/// Size of a lobe relative to the deviation of its photons: an even disk has a radius of two deviations, and most of the
+/// lobe should be within.
+const SIZE: f64 = 2.5;
 /// Smallest size of a lobe, radians.
 const SMALLEST: f64 = 1e-4;
 /// Size of the lobe of a single photon, radians.
@@ -102,8 +106,9 @@ const SHARES: (f64, f64) = (0.05, 0.6);
 const CAUTION: f64 = 1.5;
 
 impl Guide {
-    /// Learns from `photons`; `None` if none came through mirrors or glass.
-    pub fn new(photons: &[Photon]) -> Option<Self> {
+    /// Learns from `photons`, of which one that came through mirrors or glass stands for the light of `weight` of the others;
+    /// `None` if none did.
+    pub fn new(photons: &[Photon], weight: f64) -> Option<Self> {
         let mut specular: Vec<Photon> =
             photons.iter().filter(|photon| photon.way.is_some()).copied().collect();
         if specular.is_empty() {
@@ -119,7 +124,7 @@ impl Guide {
             }
         }
         for ((leaf, specular), direct) in guide.leaves.iter_mut().zip(counts).zip(direct) {
-            let specular = CAUTION * specular as f64;
+            let specular = CAUTION * weight * specular as f64;
             leaf.share = (specular / (specular + direct as f64)).clamp(SHARES.0, SHARES.1);
         }
         Some(guide)
@@ -179,10 +184,19 @@ impl Guide {
         }
         let first = self.lobes.len() as u32;
         for way in ways.values() {
-            self.lobes.extend(GuideLobe::fit(way, way.len() as f64 / photons.len() as f64));
+            self.add_lobes(way, way.len() as f64 / photons.len() as f64);
         }
         let count = self.lobes.len() as u32 - first;
         self.leaves.push(GuideLeaf { middle, reach: diagonal, first, count, share: 0.0 });
+    }
+
+    /// Appends the lobes of photons that came the same way, with this weight together.
+    fn add_lobes(&mut self, photons: &[&Photon], weight: f64) {
+        let Some(lobe) = GuideLobe::fit(photons, weight) else { return };
+        let Some(halves) = lobe.halves(photons) else { return self.lobes.push(lobe) };
+        for half in halves {
+            self.add_lobes(&half, weight * half.len() as f64 / photons.len() as f64);
+        }
     }
 }
 
@@ -258,6 +272,26 @@ impl GuideLobe {
         Some(lobe)
     }
 
+    /// Its photons on either side of the middle, across where the lobe is longest; `None` if lobes of each would hardly be
+    /// denser.
+    fn halves<'a>(&self, photons: &[&'a Photon]) -> Option<[Vec<&'a Photon>; 2]> {
+        let across = longest_axis(self.shape);
+        let is_below = |photon: &&Photon| {
+            self.project(photon.direction).is_some_and(|(y, _)| (y - self.middle).dot(across) < 0.0)
+        };
+        let (below, above) = photons.iter().copied().partition::<Vec<_>, _>(is_below);
+        let halves = [below, above];
+        let mut gain = libm::log(self.shape.determinant());
+        for half in &halves {
+            if half.len() < FEWEST_TO_FIT {
+                return None;
+            }
+            let share = half.len() as f64 / photons.len() as f64;
+            gain -= share * libm::log(Self::fit(half, share)?.shape.determinant() / share);
+        }
+        (gain > GAIN).then_some(halves)
+    }
+
     /// A place in the surface, relative to the origin.
     fn place(&self, x: DVec3) -> DVec2 {
         let offset = x - self.origin;
@@ -275,11 +309,11 @@ impl GuideLobe {
         self.middle + self.gradient * self.place(x)
     }
 
-    /// A direction at a distance t from the middle, in lobe sizes, whose density falls as 1/(1 + t²)²: half of all are
-    /// within 1, and none is out of reach.
+    /// A direction at a distance t from the middle, in lobe sizes, whose density falls as 1/(1 + t²)³: three quarters of all
+    /// are within 1, and none is out of reach.
     fn sample(&self, x: DVec3, u: f64, v: f64) -> DVec3 {
         let [square, turns] = concentric(u, v);
-        let t = (square / (1.0 - square)).sqrt();
+        let t = (1.0 / (1.0 - square).sqrt() - 1.0).sqrt();
         let (sin, cos) = sin_cos_turns::sin_cos(turns);
         let y = self.middle_at(x) + self.shape * (t * DVec2::new(cos, sin));
         (self.axis + y.x * self.plane[0] + y.y * self.plane[1]).normalize()
@@ -293,7 +327,7 @@ impl GuideLobe {
         let first = off.x / a;
         let t2 = first * first + ((off.y - b * first) / c).powi(2);
         // dω = cos³ dy on the plane at unit distance.
-        1.0 / (PI * a * c * (1.0 + t2).powi(2) * cos * cos * cos)
+        2.0 / (PI * a * c * (1.0 + t2) * (1.0 + t2) * (1.0 + t2) * cos * cos * cos)
     }
 }
 
@@ -315,4 +349,17 @@ fn root(covariance: DMat2, smallest: f64) -> DMat2 {
     let b = covariance.x_axis.y / a;
     let c = (covariance.y_axis.y - b * b).max(0.0).sqrt().max(smallest);
     DMat2::from_cols(DVec2::new(a, b), DVec2::new(0.0, c))
+}
+
+/// Unit vector along the longest axis of the ellipse that a matrix makes of a circle.
+fn longest_axis(shape: DMat2) -> DVec2 {
+    let squared = shape * shape.transpose();
+    let half = 0.5 * (squared.x_axis.x - squared.y_axis.y);
+    let root = libm::hypot(half, squared.x_axis.y);
+    let axis = if half > 0.0 {
+        DVec2::new(half + root, squared.x_axis.y)
+    } else {
+        DVec2::new(squared.x_axis.y, root - half)
+    };
+    axis.try_normalize().unwrap_or(DVec2::X)
 }

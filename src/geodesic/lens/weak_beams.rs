@@ -135,6 +135,7 @@ mod tests {
                 worst = worst.max((found / alone - 1.0).abs());
             }
         });
-        assert!(worst < 1e-4 && 3 * side_by_side > rays.len(), "{worst}, {side_by_side}");
+        // To rounding, which tells them apart.
+        assert!(worst < 1e-10 && 20 * side_by_side > rays.len(), "{worst}, {side_by_side}");
     }
 }

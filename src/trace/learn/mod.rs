@@ -22,7 +22,7 @@ pub struct Lesson {
 }
 
 /// Camera paths for each path that looks around, and for each photon.
-const PATHS: [usize; 2] = [64, 4];
+const PATHS: [usize; 2] = [64, 8];
 /// Most paths that look around, and for how many pixels there is one in any case, of so many paths: a lamp in a small
 /// picture should be met a few times.
 const MOST_LOOKS: usize = 4096;
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn every_picture_has_a_first_lesson_and_better_ones_a_few_more() {
         assert_eq!(Lesson::all(10_000, 0).len(), 1);
-        assert_eq!(Lesson::all(10_000, 3), [Lesson { looks: 256, photons: 2500 }]);
+        assert_eq!(Lesson::all(10_000, 3), [Lesson { looks: 256, photons: 1250 }]);
         let all = Lesson::all(10_000, u32::MAX);
         assert_eq!(all.len(), 4, "{all:?}");
         assert_eq!(all[3], Lesson { looks: MOST_LOOKS, photons: 80_000 });

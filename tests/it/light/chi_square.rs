@@ -364,19 +364,22 @@ fn lights_are_chosen_with_the_probability_that_is_said_of_them() {
 #[test]
 fn learnt_directions_have_the_density_that_is_said_of_them() {
     let (mut random, mut verdict) = (Random::new(6), Verdict::default());
-    for number in 0..8 {
+    for number in 0..12 {
         let spread = [0.02, 0.2, 0.6, 1.5][number % 4];
         let axis = random.direction();
-        let photons: Vec<Photon> = (0..40)
+        // From two directions by each way.
+        let apart = if number < 8 { DVec3::ZERO } else { random.direction() };
+        let photons: Vec<Photon> = (0..90)
             .map(|index| Photon {
                 side: warpfront::spacetime::Side::Near,
                 position: random.in_cube() * DVec3::new(1.0, 1.0, 0.01),
                 normal: DVec3::Z,
-                direction: (axis + spread * random.in_cube()).normalize(),
+                direction: (axis + f64::from(index as u32 % 2) * apart + spread * random.in_cube())
+                    .normalize(),
                 way: Some(index % 3),
             })
             .collect();
-        let guide = Guide::new(&photons).unwrap();
+        let guide = Guide::new(&photons, 1.0).unwrap();
         let x = 0.5 * random.in_cube() * DVec3::new(1.0, 1.0, 0.0);
         let around = guide.around(x).unwrap();
         let samples: Vec<_> = (0..COUNT).map(|_| Some(around.sample(x, numbers(&mut random))?.0)).collect();
@@ -385,6 +388,25 @@ fn learnt_directions_have_the_density_that_is_said_of_them() {
         verdict.add(format!("{number}, spread {spread}"), directions.probability(samples, density));
     }
     verdict.check();
+}
+
+#[test]
+fn light_that_came_one_way_from_two_directions_is_looked_for_in_both() {
+    let mut random = Random::new(7);
+    let direction = |x: f64| DVec3::new(x, 0.0, 1.0).normalize();
+    let photons: Vec<Photon> = (0..60)
+        .map(|index| Photon {
+            side: warpfront::spacetime::Side::Near,
+            position: random.in_cube() * DVec3::new(1.0, 1.0, 0.0),
+            normal: DVec3::Z,
+            direction: (direction([-0.5, 0.5][index % 2]) + 0.02 * random.in_cube()).normalize(),
+            way: Some(1),
+        })
+        .collect();
+    let guide = Guide::new(&photons, 1.0).unwrap();
+    let around = guide.around(DVec3::ZERO).unwrap();
+    let [left, middle, right] = [-0.5, 0.0, 0.5].map(|x| around.density(DVec3::ZERO, direction(x)));
+    assert!(left.min(right) > 1e3 * middle, "{left} {middle} {right}");
 }
 
 /// Where in its pixel each sample of a picture is, in pixels from the middle: from the places that rays meet on a wall.
