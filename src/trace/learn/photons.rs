@@ -33,6 +33,9 @@ const TOGETHER: u32 = 1024;
 /// Photons for each that lamps send out evenly; the others are sent after those of these that meet mirrors or glass, as a
 /// lamp in a room meets little of either.
 const PER_EVEN: u32 = 4;
+/// Part of all photons that meet mirrors or glass from which on others are sent after them: where fewer do, what is learned
+/// is worth less than it costs. Measured.
+const RARE: f64 = 1.0 / 64.0;
 /// Smallest change of the place of a photon that is sent after another, in its numbers; the largest is anywhere.
 const LEAST_MOVE: f64 = 1e-3;
 
@@ -66,7 +69,7 @@ fn guides<T: Transport>(job: &Job, transport: &T, lights: &Lights, count: u32) -
     let sampler = Sampler::independent(scene.settings.seed);
     let (has_passages, even) = (job.has_passages, count.div_ceil(PER_EVEN));
     let shower = Shower { scene, lights, powers: &powers, sampler, even, has_passages, halt: &job.halt };
-    let (photons, weight) = shower.photons(transport, count);
+    let (photons, weight) = shower.photons(transport, count, RARE);
     let (near, far): (Vec<_>, Vec<_>) = photons.into_iter().partition(|photon| photon.side == Side::Near);
     Some([near, far].map(|photons| Guide::new(&photons, weight)))
 }
@@ -114,12 +117,16 @@ enum Event<C> {
 
 impl Shower<'_> {
     /// The photons that land of `count`, and the weight of those that came through mirrors or glass, of which there are more
-    /// than in proportion.
-    fn photons<T: Transport>(&self, transport: &T, count: u32) -> (Vec<Photon>, f64) {
+    /// than in proportion, unless they are less than the part `rare` of all.
+    fn photons<T: Transport>(&self, transport: &T, count: u32, rare: f64) -> (Vec<Photon>, f64) {
         let mut photons = self.fall(transport, 0..self.even, &[]);
         let is_specular = |(_, photon): &(u32, Photon)| photon.way.is_some();
         let seeds: Vec<u32> =
             photons.iter().filter(|landed| is_specular(landed)).map(|(index, _)| *index).collect();
+        if (seeds.len() as f64) < rare * photons.len() as f64 {
+            photons.extend(self.fall(transport, self.even..count, &[]));
+            return (photons.into_iter().map(|(_, photon)| photon).collect(), 1.0);
+        }
         if !seeds.is_empty() {
             let followers = self.fall(transport, self.even..count, &seeds);
             photons.extend(followers.into_iter().filter(is_specular));
@@ -349,7 +356,7 @@ mod tests {
                     has_passages: false,
                     halt: &job.halt,
                 };
-                let (photons, weight) = shower.photons(&transport, count);
+                let (photons, weight) = shower.photons(&transport, count, 0.0);
                 let specular: Vec<Photon> =
                     photons.into_iter().filter(|photon| photon.way.is_some()).collect();
                 assert!(weight <= 1.0 && weight > 0.0, "{weight}");
