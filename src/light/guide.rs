@@ -184,18 +184,19 @@ impl Guide {
         }
         let first = self.lobes.len() as u32;
         for way in ways.values() {
-            self.add_lobes(way, way.len() as f64 / photons.len() as f64);
+            if let Some(lobe) = GuideLobe::fit(way, way.len() as f64 / photons.len() as f64) {
+                self.add_lobes(lobe, way);
+            }
         }
         let count = self.lobes.len() as u32 - first;
         self.leaves.push(GuideLeaf { middle, reach: diagonal, first, count, share: 0.0 });
     }
 
-    /// Appends the lobes of photons that came the same way, with this weight together.
-    fn add_lobes(&mut self, photons: &[&Photon], weight: f64) {
-        let Some(lobe) = GuideLobe::fit(photons, weight) else { return };
+    /// Appends the lobe of photons that came the same way, or those of parts of them.
+    fn add_lobes(&mut self, lobe: GuideLobe, photons: &[&Photon]) {
         let Some(halves) = lobe.halves(photons) else { return self.lobes.push(lobe) };
-        for half in halves {
-            self.add_lobes(&half, weight * half.len() as f64 / photons.len() as f64);
+        for (lobe, photons) in halves {
+            self.add_lobes(lobe, &photons);
         }
     }
 }
@@ -272,23 +273,25 @@ impl GuideLobe {
         Some(lobe)
     }
 
-    /// Its photons on either side of the middle, across where the lobe is longest; `None` if lobes of each would hardly be
-    /// denser.
-    fn halves<'a>(&self, photons: &[&'a Photon]) -> Option<[Vec<&'a Photon>; 2]> {
+    /// Its photons on either side of the middle, across where the lobe is longest, with a lobe of each; `None` if these would
+    /// hardly be denser.
+    fn halves<'a>(&self, photons: &[&'a Photon]) -> Option<[(Self, Vec<&'a Photon>); 2]> {
         let across = longest_axis(self.shape);
         let is_below = |photon: &&Photon| {
             self.project(photon.direction).is_some_and(|(y, _)| (y - self.middle).dot(across) < 0.0)
         };
         let (below, above) = photons.iter().copied().partition::<Vec<_>, _>(is_below);
-        let halves = [below, above];
         let mut gain = libm::log(self.shape.determinant());
-        for half in &halves {
-            if half.len() < FEWEST_TO_FIT {
+        let mut half = |part: Vec<&'a Photon>| {
+            if part.len() < FEWEST_TO_FIT {
                 return None;
             }
-            let share = half.len() as f64 / photons.len() as f64;
-            gain -= share * libm::log(Self::fit(half, share)?.shape.determinant() / share);
-        }
+            let share = part.len() as f64 / photons.len() as f64;
+            let lobe = Self::fit(&part, self.weight * part.len() as f64 / photons.len() as f64)?;
+            gain -= share * libm::log(lobe.shape.determinant() / share);
+            Some((lobe, part))
+        };
+        let halves = [half(below)?, half(above)?];
         (gain > GAIN).then_some(halves)
     }
 

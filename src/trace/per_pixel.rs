@@ -152,16 +152,12 @@ fn lose<F>(
     samples: &mut Samples,
     fates: &mut Fates,
 ) {
-    let (count, (fate, side)) = match outcome {
-        Outcome::Flying(_) | Outcome::Landed(_) => return,
-        Outcome::Escaped(there) => {
-            escape(job, path, vertex, there);
-            (&mut fates.escaped, (RayEnd::Escaped, Some(there.side)))
-        }
-        Outcome::Captured => (&mut fates.captured, (RayEnd::Captured, None)),
-        Outcome::StepLimit => (&mut fates.step_limit, (RayEnd::StepLimit, None)),
-        Outcome::NonFinite => (&mut fates.non_finite, (RayEnd::NonFinite, None)),
-    };
-    *count += 1;
+    let Ok(end) = outcome.end() else { return };
+    let (fate, mut side) = (RayEnd::of(&end), None);
+    if let Outcome::Escaped(there) = end {
+        escape(job, path, vertex, there);
+        side = Some(there.side);
+    }
+    fates.count(fate);
     record_end(job, path, fate, side, samples);
 }

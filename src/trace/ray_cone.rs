@@ -76,13 +76,12 @@ impl RayCones {
     /// [`Self::width`] of many cones, in the place of `widths`, if rays are bent; else none: one by one is as fast.
     pub fn bent_widths<'a>(
         &self,
-        landed: impl Iterator<Item = (&'a RayCone, &'a Landing)> + Clone,
+        mut landed: impl Iterator<Item = (&'a RayCone, &'a Landing)> + Clone,
         widths: &mut Vec<f64>,
     ) {
         widths.clear();
         let Some(beams) = &self.beams else { return };
         let rays: Vec<BeamRay> = landed.clone().map(|(cone, landing)| cone.beam_to(landing)).collect();
-        let mut landed = landed;
         beams.all_widths(&rays, &mut |_, bent| {
             widths.extend(landed.next().map(|(cone, landing)| cone.width_at(landing, bent)));
         });

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::cpu_clock;
+use crate::film::RayEnd;
 
 /// Rays by fate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -109,6 +110,19 @@ pub struct Stats {
     pub stages: StageTimes,
     /// Largest resident memory of the process so far, bytes; absent where the system does not say.
     pub peak_memory_bytes: Option<u64>,
+}
+
+impl Fates {
+    /// Counts a ray that ended.
+    pub fn count(&mut self, end: RayEnd) {
+        *(match end {
+            RayEnd::Hit => &mut self.hit,
+            RayEnd::Escaped => &mut self.escaped,
+            RayEnd::Captured => &mut self.captured,
+            RayEnd::StepLimit => &mut self.step_limit,
+            RayEnd::NonFinite => &mut self.non_finite,
+        }) += 1;
+    }
 }
 
 impl Counters {

@@ -78,18 +78,13 @@ struct Events<C> {
 impl<C> Events<C> {
     /// Adds the end of a ray that met nothing.
     fn lose<F>(&mut self, lane: usize, outcome: Outcome<F>, fates: &mut Fates) {
-        let (count, end) = match outcome {
-            Outcome::Flying(_) | Outcome::Landed(_) => return,
-            Outcome::Escaped(there) => {
-                fates.escaped += 1;
-                return self.escaped.push((lane, there));
-            }
-            Outcome::Captured => (&mut fates.captured, RayEnd::Captured),
-            Outcome::StepLimit => (&mut fates.step_limit, RayEnd::StepLimit),
-            Outcome::NonFinite => (&mut fates.non_finite, RayEnd::NonFinite),
-        };
-        *count += 1;
-        self.ended.push((lane, end));
+        let Ok(end) = outcome.end() else { return };
+        let fate = RayEnd::of(&end);
+        fates.count(fate);
+        match end {
+            Outcome::Escaped(there) => self.escaped.push((lane, there)),
+            _ => self.ended.push((lane, fate)),
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 //! ```
 
 use super::map::bisect;
-use super::weak::{angle, each, turned};
+use super::weak::{WeakBending, angle, each, turned};
 use crate::math::chebyshev::Chebyshev;
 use crate::spacetime::ConformallyFlat;
 
@@ -27,8 +27,6 @@ pub struct InwardBending {
 const TERMS: usize = 8;
 /// Terms that it is made from.
 const FIT: usize = 24;
-/// Largest b_c/B of a sphere.
-const REACH: f64 = 0.75;
 /// Largest m: the recurrence magnifies rounding by m to the number of terms.
 const STEEPEST: f64 = 6.0;
 
@@ -38,7 +36,7 @@ impl InwardBending {
     pub fn new<M: ConformallyFlat>(medium: &M, w: f64, tolerance: f64) -> Option<Self> {
         let (critical, q) = (medium.critical_impact_parameter(), w / medium.index(w));
         let reach = critical * q;
-        if !(reach > 0.0 && reach <= REACH) {
+        if !(reach > 0.0 && WeakBending::reaches(reach)) {
             return None;
         }
         let stretch = |share: f64| {

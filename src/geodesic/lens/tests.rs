@@ -12,6 +12,21 @@ fn lens() -> (Schwarzschild, Lens) {
     (hole, Lens::new(&hole, 1e-15).unwrap())
 }
 
+/// Random places in all directions from a hole, from its horizon to some hundred radii, their radii spread evenly in the
+/// logarithm.
+pub(super) fn offsets_from(hole: Schwarzschild) -> impl FnMut() -> DVec3 {
+    let mut state = 5u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        2.0 * ((state >> 11) as f64 / (1u64 << 53) as f64) - 1.0
+    };
+    move || {
+        let x = DVec3::new(random(), random(), random());
+        let radius = libm::exp(3.0 * (1.0 + random()));
+        (hole.horizon() + radius) * x.normalize()
+    }
+}
+
 /// The unit vector at an angle in a plane.
 fn at(angle: f64) -> DVec3 {
     DVec3::new(angle.cos(), angle.sin(), 0.0)

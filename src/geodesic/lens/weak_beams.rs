@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::connection::{AROUND, RADIAL};
 use super::map::{Lens, Site};
 use super::track::straight;
-use super::weak_rays::{Ends, WeakRays};
+use super::weak_rays::WeakRays;
 use crate::math::columns::{LANES, Row, columns};
 use crate::math::half_turn;
 use crate::math::kernel::{Kernel, map};
@@ -38,7 +38,8 @@ columns! {
 struct WeakBeams<'a>(WeakRays<'a>);
 
 impl Lens {
-    /// [`Self::beam_widths`] of many rays, by the places and directions of their ends: calls `each` for every one.
+    /// [`Self::beam_widths`] of many rays, by the places and directions of their ends: calls `each` for every one, in
+    /// order.
     pub fn all_beam_widths(
         &self,
         rays: &[(Site, Site, RayDirections)],
@@ -85,7 +86,7 @@ impl Kernel for WeakBeams<'_> {
         let near_cos = if outwards < 0.0 { -near_cos } else { near_cos };
         let gamma = half_turn::angle(near_sin, near_cos) - half_turn::angle(far_sin, far_cos);
         let gamma = gamma.at_least(RADIAL);
-        let trial = self.0.at(&Ends { near: &near, far: &far, swept: 0.0 }, gamma);
+        let trial = self.0.at(&near, &far, gamma);
         let line = straight(&near, &far, gamma);
         let (half_sin, half_cos) = sin_cos_turns::small(0.5 * trial.swept.at_most(AROUND));
         let sine =
@@ -102,23 +103,16 @@ impl Kernel for WeakBeams<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::offsets_from;
     use super::*;
-    use crate::spacetime::{ConformallyFlat, Schwarzschild};
+    use crate::spacetime::Schwarzschild;
 
     #[test]
     fn beams_side_by_side_are_as_wide_as_each_alone() {
         let hole = Schwarzschild::new(1.0);
-        let mut state = 5u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            2.0 * ((state >> 11) as f64 / (1u64 << 53) as f64) - 1.0
-        };
         let lens = Lens::new(&hole, 1e-5).expect("a photon sphere");
-        let mut place = || {
-            let x = DVec3::new(random(), random(), random());
-            let radius = libm::exp(3.0 * (1.0 + random()));
-            lens.site(&hole, (hole.horizon() + radius) * x.normalize())
-        };
+        let mut offset = offsets_from(hole);
+        let mut place = || lens.site(&hole, offset());
         let ray = |i: u32| {
             let (x, y) = (place(), place());
             let ray = lens.connect(&x, &y, u32::from(i.is_multiple_of(8))).expect("a ray");

@@ -41,13 +41,6 @@ pub(super) struct WeakRays<'a> {
     pub(super) bending: &'a WeakBending,
 }
 
-/// Two places on one side of the photon sphere, and the angle that a ray between them is to sweep.
-pub(super) struct Ends<'a> {
-    pub(super) near: &'a Site,
-    pub(super) far: &'a Site,
-    pub(super) swept: f64,
-}
-
 /// A ray by the angle that it sweeps as a straight line.
 #[derive(Clone, Copy)]
 pub(super) struct LineTrial {
@@ -105,13 +98,12 @@ impl Kernel for WeakRays<'_> {
         let is_reversed = y.q > x.q;
         let near = if is_reversed { *y } else { *x };
         let far = if is_reversed { *x } else { *y };
-        let ends = Ends { near: &near, far: &far, swept };
         let most = most_swept(&near, &far);
         let guess = self.lens.guess(&near, &far, swept, sin / (1.0 + cos));
         let guess = if (guess > 0.0) & (guess < NEAR_MOST * most) { guess } else { NEAR_MOST * most };
-        let first = self.at(&ends, guess);
-        let second = self.at(&ends, first.gamma - first.shift(swept));
-        let (gamma, slope, is_good) = self.root(&ends, &first, &second);
+        let first = self.at(&near, &far, guess);
+        let second = self.at(&near, &far, first.gamma - first.shift(swept));
+        let (gamma, slope, is_good) = self.root(swept, &first, &second);
         let StraightLine { b, leaving: start, arriving: end, distance, .. } = straight(&near, &far, gamma);
         let track = oriented(Track { swept, b, start, end, rate: slope * distance, distance }, is_reversed);
         let axis = spin / if is_odd { -sin } else { sin };
@@ -136,9 +128,9 @@ impl LineTrial {
 }
 
 impl WeakRays<'_> {
-    /// The ray between two places whose straight line sweeps the angle `gamma`.
+    /// The ray between two places on one side of the photon sphere whose straight line sweeps the angle `gamma`.
     #[inline(always)]
-    pub(super) fn at(&self, &Ends { near, far, .. }: &Ends, gamma: f64) -> LineTrial {
+    pub(super) fn at(&self, near: &Site, far: &Site, gamma: f64) -> LineTrial {
         let line = straight(near, far, gamma);
         let StraightLine { b, leaving, arriving, .. } = line;
         let [change, turn] = line.changes(near, far);
@@ -158,11 +150,11 @@ impl WeakRays<'_> {
         }
     }
 
-    /// The wanted ray from two trials, by cubic interpolation of gamma by the angle swept: the angle of its straight line and
+    /// The ray that sweeps an angle, from two trials, by cubic interpolation of gamma by the angle swept: the angle of its straight line and
     /// the slope there, and true if they are good.
     #[inline(always)]
-    fn root(&self, ends: &Ends, first: &LineTrial, second: &LineTrial) -> (f64, f64, bool) {
-        let (excess, step) = (second.swept - ends.swept, second.swept - first.swept);
+    fn root(&self, swept: f64, first: &LineTrial, second: &LineTrial) -> (f64, f64, bool) {
+        let (excess, step) = (second.swept - swept, second.swept - first.swept);
         // In steps from the second on.
         let at = -excess / step;
         let (rise, start, end) = (second.gamma - first.gamma, step / first.slope, step / second.slope);
@@ -178,25 +170,18 @@ impl WeakRays<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::offsets_from;
     use super::*;
-    use crate::spacetime::{ConformallyFlat, Schwarzschild};
+    use crate::spacetime::Schwarzschild;
 
     #[test]
     fn rays_found_side_by_side_are_those_that_an_exact_search_finds() {
         let hole = Schwarzschild::new(1.0);
-        let mut state = 5u64;
-        let mut random = move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            2.0 * ((state >> 11) as f64 / (1u64 << 53) as f64) - 1.0
-        };
+        let mut offset = offsets_from(hole);
         let exact = Lens::new(&hole, 1e-13).expect("a photon sphere");
         for tolerance in [1e-5, 1e-6] {
             let lens = Lens::new(&hole, tolerance).expect("a photon sphere");
-            let mut place = || {
-                let x = DVec3::new(random(), random(), random());
-                let radius = libm::exp(3.0 * (1.0 + random()));
-                lens.site(&hole, (hole.horizon() + radius) * x.normalize())
-            };
+            let mut place = || lens.site(&hole, offset());
             let pairs: Vec<_> = (0..20_000).map(|i| (place(), place(), u32::from(i % 8 == 0))).collect();
             let mut joined = Vec::new();
             lens.join_all(&pairs, |_, ray| joined.push(ray.expect("a ray")));

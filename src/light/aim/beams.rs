@@ -22,6 +22,6 @@ pub trait Beams: Send + Sync {
     /// Widths across the ray, scene units, of a beam of one radian: in the plane of its orbit, and out of that.
     fn widths(&self, ray: &BeamRay) -> Option<[f64; 2]>;
 
-    /// [`Self::widths`] of many: calls `each` for every one.
+    /// [`Self::widths`] of many: calls `each` for every one, in order.
     fn all_widths(&self, rays: &[BeamRay], each: &mut dyn FnMut(usize, Option<[f64; 2]>));
 }

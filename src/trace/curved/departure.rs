@@ -11,7 +11,7 @@ use crate::spacetime::{ConformallyFlat, ReissnerNordstrom, StaticHole};
 use crate::trace::flight_status::FlightStatus;
 
 /// Tolerance of what is known in closed form, in that of rays.
-const BENDING: f64 = 0.1;
+pub const BENDING: f64 = 0.1;
 /// Most steps to infinity, before a ray is followed there by itself.
 const MOST_STEPS: usize = 64;
 

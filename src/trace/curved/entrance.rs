@@ -1,11 +1,10 @@
 //! The edge of all geometry, where rays from outside start that nothing is in the way of until there.
 
+use super::departure::BENDING;
 use super::flight::Lane;
 use crate::geodesic::{InwardBending, Phase};
 use crate::spacetime::{Chart, ConformallyFlat};
 
-/// Tolerance of what is known in closed form, in that of rays.
-const BENDING: f64 = 0.1;
 /// Inverse radius of the entrance at most, as a part of that which bounds the geometry: there, no ray that comes near any
 /// is about to turn.
 const EDGE: f64 = 0.97;

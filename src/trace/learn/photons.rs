@@ -14,7 +14,7 @@ use super::super::stages::look_up::look_up;
 use super::super::stages::meet::meet;
 use super::super::stages::pass::{behind, opacity};
 use super::super::transport::{Landing, Outcome, Start, Transport};
-use crate::light::{Emitter, Guide, Lights, Photon, View};
+use crate::light::{Emitter, Guide, Lights, Photon, Spot, View};
 use crate::math::concentric::concentric;
 use crate::math::frame::tangents;
 use crate::math::sin_cos_turns;
@@ -92,6 +92,8 @@ struct PhotonStart<'a> {
     emitter: &'a Emitter,
     /// Numbers in [0, 1) of its place on the emitter.
     place: [f64; 2],
+    /// That place.
+    spot: Spot,
     /// True if it leaves the side of the emitter that is opposite to the normal.
     flips: bool,
     /// Unit direction.
@@ -199,7 +201,7 @@ impl Shower<'_> {
         let flips = emitter.both_sides && emitter.sphere().is_none() && back < 0.5;
         let outwards = if flips { -spot.normal } else { spot.normal };
         let [u, v, ..] = self.numbers(index, 1).map(f64::from);
-        Some(PhotonStart { emitter, place, flips, direction: shade::sample_cosine(outwards, u, v) })
+        Some(PhotonStart { emitter, place, spot, flips, direction: shade::sample_cosine(outwards, u, v) })
     }
 
     /// Start of a photon that is sent after one of `seeds`: by a change of any size, as mirrors and glass may be near or
@@ -207,22 +209,22 @@ impl Shower<'_> {
     fn follower(&self, index: u32, seeds: &[u32]) -> Option<PhotonStart<'_>> {
         let [choice, spread, place @ ..] = self.numbers(index, 0).map(f64::from);
         let seed = *seeds.get((choice * seeds.len() as f64) as usize)?;
-        let PhotonStart { emitter, place: seed_place, flips, direction } = self.departure(seed)?;
+        let PhotonStart { emitter, place: seed_place, flips, direction, .. } = self.departure(seed)?;
         let moved = libm::pow(LEAST_MOVE, 1.0 - spread);
         let place =
             [0, 1].map(|i| (seed_place[i] + moved * (place[i] - 0.5)).rem_euclid(1.0).min(1f64.next_down()));
+        let spot = emitter.sample(&View::Everywhere, place[0], place[1])?;
         let [u, v, spread, _] = self.numbers(index, 1).map(f64::from);
         // From the angle between photons sent out evenly up to its root.
         let turned = libm::pow(4.0 * PI / f64::from(self.even), 0.5 - 0.25 * spread);
         let ([square, turns], (e1, e2)) = (concentric(u, v), tangents(direction));
         let (sin, cos) = sin_cos_turns::sin_cos(turns);
         let direction = (direction + turned * square.sqrt() * (cos * e1 + sin * e2)).normalize();
-        Some(PhotonStart { emitter, place, flips, direction })
+        Some(PhotonStart { emitter, place, spot, flips, direction })
     }
 
     fn start<C: Default>(&self, index: u32, departure: &PhotonStart) -> Option<(Flying, Start<C>)> {
-        let &PhotonStart { emitter, place: [u, v], flips, direction } = departure;
-        let spot = emitter.sample(&View::Everywhere, u, v)?;
+        let &PhotonStart { emitter, spot, flips, direction, .. } = departure;
         let outwards = if flips { -spot.normal } else { spot.normal };
         if direction.dot(outwards) <= 0.0 {
             return None;
