@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::halt::Halt;
 use super::illumination::Illumination;
+use super::lamp_halos::LampHalos;
 use super::ray_cone::RayCones;
 use super::surroundings::media_around;
 use crate::scene::{Baked, SamplerKind, Settings};
@@ -27,6 +28,8 @@ pub struct Job<'a> {
     pub absorbs: bool,
     /// What textures are filtered by, if any can be.
     pub cones: Option<RayCones>,
+    /// Halos of small lamps, if there are any.
+    pub halos: Option<LampHalos>,
     /// Light sampling, if any.
     pub illumination: Option<Illumination>,
     /// Interruption and deadline, at which to give up.
@@ -55,6 +58,7 @@ impl<'a> Job<'a> {
             has_passages,
             absorbs,
             cones: None,
+            halos: LampHalos::of(scene),
             illumination: None,
             halt,
         }

@@ -16,6 +16,7 @@ mod flight_status;
 mod halt;
 mod illumination;
 mod job;
+mod lamp_halos;
 mod land_on_arc;
 mod land_on_ray;
 mod launch_point;

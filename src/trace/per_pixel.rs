@@ -12,7 +12,7 @@ use super::stages::generate::generate;
 use super::stages::intersect::intersect;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_beside, record_end, record_entrance, record_step};
+use super::stages::record::{record_beside, record_end, record_entrance, record_halo, record_step};
 use super::stages::shade::{gather, shade};
 use super::stats::{Counters, Fates};
 use super::transport::{Landing, Outcome, Start, Transport};
@@ -79,6 +79,7 @@ fn trace_path<T: Transport>(
             || transport.length(&flight, &step, found.map(|f| f.point)),
             samples,
         );
+        record_halo(job, transport, (&flight, &step, found), &path, samples);
         if job.absorbs {
             absorb(job, transport, (&flight, &step, found), &mut path, Some(&mut vertex));
         }

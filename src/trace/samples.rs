@@ -17,6 +17,8 @@ pub struct Samples {
     pub camera_rays: Vec<CameraRay>,
     /// Its march steps; empty unless needed.
     pub steps: Vec<u32>,
+    /// True if it crossed the halo of a lamp; empty unless that is looked for.
+    pub near_lamps: Vec<bool>,
     needs: Needs,
 }
 
@@ -30,8 +32,14 @@ impl Samples {
             covered: vec![true; count],
             camera_rays: vec![CameraRay::default(); optional(needs.camera_ray)],
             steps: vec![0; optional(needs.steps)],
+            near_lamps: Vec::new(),
             needs,
         }
+    }
+
+    /// With a look out for halos of lamps.
+    pub fn with_halos(self) -> Self {
+        Self { near_lamps: vec![false; self.radiance.len()], ..self }
     }
 
     /// Records that are kept.

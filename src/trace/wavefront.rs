@@ -19,7 +19,7 @@ use super::stages::generate::{camera_ray, start};
 use super::stages::intersect::intersect_all;
 use super::stages::light::{self, LightRayProgress};
 use super::stages::pass::{behind, passes};
-use super::stages::record::{record_beside, record_end, record_entrance, record_step};
+use super::stages::record::{record_beside, record_end, record_entrance, record_halo, record_step};
 use super::stages::shade::{Shading, gather};
 use super::stats::{Counters, Fates, Lap, StageTimes};
 use super::transport::{Landing, Moved, Outcome, Start, Transport};
@@ -298,6 +298,7 @@ impl<T: Transport> Wavefront<T> {
     /// Sorts lanes by what became of their rays; those still flying take their step.
     fn settle(&mut self, job: &Job, transport: &T, samples: &mut Samples, counters: &mut Counters) {
         self.record_steps(transport, samples);
+        self.record_halos(job, transport, samples);
         self.absorb(job, transport);
         let Self { flights, moves, paths, vertices, arrived, search, exactly, events, scratch, .. } = self;
         let (live, vertices) = (paths.len(), &*vertices);
@@ -369,6 +370,16 @@ impl<T: Transport> Wavefront<T> {
                 transport.length(&self.flights.get(lane), &self.moves.get(lane), point)
             };
             record_step(path, light_ray_in_flight, length, samples);
+        }
+    }
+
+    fn record_halos(&self, job: &Job, transport: &T, samples: &mut Samples) {
+        if samples.near_lamps.is_empty() {
+            return;
+        }
+        for (lane, path) in self.paths.iter().enumerate() {
+            let ray = (&self.flights.get(lane), &self.moves.get(lane), self.search.found.get(lane));
+            record_halo(job, transport, ray, path, samples);
         }
     }
 

@@ -8,7 +8,7 @@ use super::samples::Samples;
 use super::stats::{Counters, StageTimes};
 use super::transport::Transport;
 use super::wavefront::Wavefront;
-use super::work::Work;
+use super::work::{Share, Work};
 use crate::film::Wanted;
 use crate::scene::Schedule;
 
@@ -56,6 +56,9 @@ impl<T: Transport> Worker<T> {
     /// The samples of `work`; `None` if it had to give up.
     pub fn trace(&mut self, job: &Job, transport: &T, work: &Work, wanted: Wanted) -> Option<Samples> {
         let mut samples = Samples::new(wanted, work.paths() as usize);
+        if job.halos.is_some() && matches!(work.share, Share::Lamps) {
+            samples = samples.with_halos();
+        }
         let Self { schedule, wavefront, counters, times } = self;
         match schedule {
             Schedule::Wavefront => wavefront.trace(job, transport, work, &mut samples, counters, times)?,

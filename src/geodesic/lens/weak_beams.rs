@@ -51,6 +51,14 @@ impl Lens {
         let Some(bending) = &self.bending else {
             return rays.iter().enumerate().for_each(|(number, ray)| each(number, alone(ray)));
         };
+        let kernel = WeakBeams(WeakRays { lens: self, bending });
+        let either = |BeamWidths { along, across }: BeamWidths, ray: &(Site, Site, RayDirections)| {
+            if along > 0.0 { Some([along, across]) } else { alone(ray) }
+        };
+        // Pixel by pixel there is but one: the lanes beside it would cost as much.
+        if let [ray @ (x, y, directions)] = rays {
+            return each(0, either(kernel.run(&(*x, *y), directions), ray));
+        }
         for (number, rays) in rays.chunks(LANES).enumerate() {
             let (mut sites, mut ends) =
                 (<(Site, Site) as Row>::Block::default(), RayDirectionsBlock::default());
@@ -59,11 +67,9 @@ impl Lens {
                 RayDirections::set(&mut ends, lane, directions);
             }
             let mut widths = BeamWidthsBlock::default();
-            let kernel = WeakBeams(WeakRays { lens: self, bending });
             map(&kernel, &[sites], &[ends], std::slice::from_mut(&mut widths));
             for (lane, ray) in rays.iter().enumerate() {
-                let BeamWidths { along, across } = BeamWidths::get(&widths, lane);
-                each(number * LANES + lane, if along > 0.0 { Some([along, across]) } else { alone(ray) });
+                each(number * LANES + lane, either(BeamWidths::get(&widths, lane), ray));
             }
         }
     }

@@ -4,9 +4,10 @@ use super::super::job::Job;
 use super::super::path::Path;
 use super::super::ray_end::RayEnd;
 use super::super::samples::Samples;
-use super::super::transport::Landing;
+use super::super::transport::{Landing, Transport};
 use super::meet::Meeting;
 use crate::film::CameraRay;
+use crate::geometry::Found;
 use crate::scene::Background;
 use crate::shade::Material;
 use crate::spacetime::Side;
@@ -80,5 +81,19 @@ pub fn record_step(
     }
     if samples.needs().length && path.depth == 1 && !light_ray_in_flight {
         samples.camera_rays[path.slot as usize].length += length();
+    }
+}
+
+/// Records that a path's move crosses the halo of a lamp, if that is looked for.
+#[inline]
+pub fn record_halo<T: Transport>(
+    job: &Job,
+    transport: &T,
+    ray: (&T::Flight, &T::Move, Option<Found>),
+    path: &Path,
+    samples: &mut Samples,
+) {
+    if let (Some(halos), Some(is_near)) = (&job.halos, samples.near_lamps.get_mut(path.slot as usize)) {
+        *is_near |= halos.are_crossed(transport, ray);
     }
 }
