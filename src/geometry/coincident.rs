@@ -12,7 +12,7 @@ use super::distance::Reach;
 use super::nearest::{Leaving, next_slot};
 use super::scene::Item;
 use super::{Geometry, Hit, Line, PrimitiveId, Segment, SharedMesh, Sphere, SupportingSurface};
-use crate::math::kernel::widest;
+use crate::math::simd8::{Simd8, Simd8Work, with_simd8};
 
 /// Height of a point over a surface that it lies on, relative to the coordinates that the surface is made of: of
 /// triangles they are in f32.
@@ -111,7 +111,7 @@ impl Geometry {
         let way = PROBE * self.slack(primitive, &support, point) * support.height(point).1;
         let local = point - self.origin;
         let line = Line { p0: local - way, p2: local + way };
-        let mut found = widest(Upon::new(self, line, primitive));
+        let mut found = with_simd8(Upon::new(self, line, primitive));
         found.retain(|&other| self.coincide(primitive, other, point));
         found.sort_by_key(|&other| self.given(other));
         found
@@ -135,6 +135,12 @@ impl<S> Clone for PastStart<'_, S> {
 impl<S> Copy for PastStart<'_, S> {}
 
 impl<S: Segment> Leaving for PastStart<'_, S> {
+    const IS_ONE: bool = false;
+
+    fn own_slot(&self, _: Option<u32>) -> u32 {
+        u32::MAX
+    }
+
     fn starts_on(&self, primitive: PrimitiveId) -> bool {
         self.origin_prim == primitive
     }
@@ -172,22 +178,22 @@ impl<'a> Upon<'a> {
     }
 }
 
-impl pulp::NullaryFnOnce for Upon<'_> {
+impl Simd8Work for Upon<'_> {
     type Output = Vec<PrimitiveId>;
 
     #[inline(always)]
-    fn call(mut self) -> Vec<PrimitiveId> {
-        self.geometry.bvh.walk(&self.line.chord(), 1.0, &mut self);
+    fn run<V: Simd8>(mut self, simd: V) -> Vec<PrimitiveId> {
+        self.geometry.bvh.walk(simd, &self.line.chord(), 1.0, &mut self);
         self.found
     }
 }
 
 impl Visitor for Upon<'_> {
     #[inline(always)]
-    fn leaf(&mut self, number: usize) -> f64 {
+    fn leaf<V: Simd8>(&mut self, _: V, number: usize, _: f32) -> f32 {
         let Self { geometry, line, .. } = *self;
         if !geometry.singles.is_empty() {
-            let mut may = self.cull.may_cross::<false>(geometry.triangles.block(number));
+            let mut may = self.cull.may_cross::<false>(geometry.triangles.block(number), 1.0);
             while let Some(slot) = next_slot(&mut may, number) {
                 let s = line.cross_triangle(&geometry.triangle(slot), false);
                 self.add(s, PrimitiveId { item: slot, triangle: 0 });
@@ -221,7 +227,7 @@ impl Upon<'_> {
                     let chord = line.chord();
                     let inside =
                         UponTriangles { shared, line, cull: Cull::new(&chord), item: slot, upon: self };
-                    widest(inside);
+                    with_simd8(inside);
                 }
             }
             Item::Triangle(_) => {}
@@ -239,20 +245,20 @@ struct UponTriangles<'a, 'g> {
     upon: &'a mut Upon<'g>,
 }
 
-impl pulp::NullaryFnOnce for UponTriangles<'_, '_> {
+impl Simd8Work for UponTriangles<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(mut self) {
-        self.shared.bvh.walk(&self.line.chord(), 1.0, &mut self);
+    fn run<V: Simd8>(mut self, simd: V) {
+        self.shared.bvh.walk(simd, &self.line.chord(), 1.0, &mut self);
     }
 }
 
 impl Visitor for UponTriangles<'_, '_> {
     #[inline(always)]
-    fn leaf(&mut self, number: usize) -> f64 {
+    fn leaf<V: Simd8>(&mut self, _: V, number: usize, _: f32) -> f32 {
         let triangles = &self.shared.triangles;
-        let mut may = self.cull.may_cross::<false>(triangles.block(number));
+        let mut may = self.cull.may_cross::<false>(triangles.block(number), 1.0);
         while let Some(slot) = next_slot(&mut may, number) {
             let s = self.line.cross_triangle(&triangles.get(slot as usize), false);
             self.upon.add(s, PrimitiveId { item: self.item, triangle: slot });

@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::Chord;
 use super::triangle::{Triangle, TriangleBlock};
 use crate::math::columns::{LANES, Row};
+use crate::math::simd8::Simd8;
 
 /// A chord to be screened.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,13 +25,13 @@ pub struct Cull {
     reach: f32,
     /// Distance that decides nothing, less what the rounding of the triangle's place adds.
     room: f32,
-    /// Part of the chord that matters.
-    until: f32,
 }
 
 /// Rounding of a volume beside the product of the largest components of its factors: a dozen roundings of half an
 /// epsilon of six products; thrice that.
 pub(super) const ROUNDING: f32 = 64.0 * f32::EPSILON;
+/// Volumes below this may have lost digits to the range of f32.
+const SMALLEST: f32 = 1e-30;
 /// Beyond this the product of three lengths leaves the range of f32.
 pub(super) const LARGEST: f32 = 1e12;
 
@@ -41,20 +42,14 @@ impl Cull {
         let (start, along) = (chord.start.as_vec3(), (chord.end - chord.start).as_vec3());
         let (bow, reach) = (chord.bow.as_vec3(), largest(along));
         let room = ROUNDING * (largest(start) + reach + largest(bow));
-        Self { start, along, bow, sweep: bow.cross(along), reach, room, until: 1.0 }
+        Self { start, along, bow, sweep: bow.cross(along), reach, room }
     }
 
-    /// Ends the search at this part of the chord.
+    /// One byte a lane: 1 if the segment may cross the triangle of that lane before a part of its chord that is at least
+    /// `until`, 0 if it does not. The bow is 0 unless it `BENDS`.
     #[inline(always)]
-    pub fn end_at(&mut self, part: f64) {
-        self.until = self.until.min(part as f32 * (1.0 + 4.0 * f32::EPSILON));
-    }
-
-    /// One byte a lane: 1 if the segment may cross the triangle of that lane, 0 if it does not. The bow is 0 unless it
-    /// `BENDS`.
-    #[inline(always)]
-    pub fn may_cross<const BENDS: bool>(&self, triangles: &TriangleBlock) -> u64 {
-        let Cull { start, along, bow, sweep, reach, room, until } = *self;
+    pub fn may_cross<const BENDS: bool>(&self, triangles: &TriangleBlock, until: f32) -> u64 {
+        let Cull { start, along, bow, sweep, reach, room } = *self;
         let mut may = [0u8; LANES];
         for (lane, may) in may.iter_mut().enumerate() {
             let Triangle { a, b, c } = Triangle::get(triangles, lane);
@@ -88,6 +83,61 @@ impl Cull {
         }
         u64::from_le_bytes(may)
     }
+
+    /// Triangles that the segment, a line, may cross before a part of it that is at least `until`.
+    ///
+    /// Signs are those of volumes from the front. Where rounding decides which side that is, the line is so near to
+    /// the plane's direction that volumes are within rounding of 0.
+    #[inline(always)]
+    pub fn may_cross_line<V: Simd8>(&self, simd: V, triangles: &TriangleBlock, until: f32) -> MayCross {
+        let Cull { start, along, reach, room, .. } = *self;
+        let splat = |v: Vec3| [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)];
+        let [a, b, c] = triangles.corners(simd);
+        let (e1, e2, from) = (simd.minus(b, a), simd.minus(c, a), simd.minus(splat(start), a));
+        let (p, q) = (simd.cross(splat(along), e2), simd.cross(from, e1));
+        let volume = simd.dot(e1, p);
+        let front = |other: V::F| simd.flip(other, volume);
+        let whole = simd.abs(volume);
+        let (u, v) = (front(simd.dot(from, p)), front(simd.dot(splat(along), q)));
+        let w = simd.sub(whole, simd.add(u, v));
+        let first = front(simd.dot(e2, q));
+        let last = simd.mul_sub(whole, simd.splat(until), first);
+        let (edge, far) = (simd.max(simd.largest(e1), simd.largest(e2)), simd.largest(from));
+        let rounding = simd.mul_add(simd.splat(ROUNDING), simd.add(far, edge), simd.splat(room));
+        let beside = simd.mul(simd.mul(rounding, edge), edge);
+        let inside = simd.mul(simd.mul(rounding, edge), simd.splat(reach));
+        let least = simd.min(simd.min(u, v), w);
+        let (most_first, least_whole) = (simd.add(first, beside), simd.sub(whole, beside));
+        let is_near = simd.min(simd.min(simd.add(least, inside), most_first), simd.add(last, beside));
+        let is_within = simd.min(simd.sub(least, inside), simd.sub(first, beside));
+        let is_crossed = simd.min(is_within, simd.sub(least_whole, most_first));
+        let huge = simd.le(simd.splat(if reach > LARGEST { 0.0 } else { LARGEST }), simd.max(far, edge));
+        let before = simd.mul(simd.div(most_first, least_whole), simd.splat(1.0 + 4.0 * f32::EPSILON));
+        MayCross {
+            may: simd.le(simd.splat(-SMALLEST), is_near) | huge,
+            surely: simd.le(simd.splat(SMALLEST), is_crossed) & !huge,
+            before: simd.store(before),
+        }
+    }
+}
+
+/// Lanes of a block that a line may cross, a bit each.
+#[derive(Clone, Copy, Debug)]
+pub struct MayCross {
+    /// Those that it may cross.
+    pub may: u32,
+    /// Those of them that it surely does, if it may cross them,
+    pub surely: u32,
+    /// before this part of it.
+    pub before: [f32; LANES],
+}
+
+impl MayCross {
+    /// All but a lane.
+    #[inline(always)]
+    pub fn without(self, lane: Option<usize>) -> Self {
+        Self { may: self.may & !lane.map_or(0, |lane| 1 << lane), ..self }
+    }
 }
 
 /// Largest component by size.
@@ -115,6 +165,7 @@ mod tests {
     use super::super::{Line, Segment, triangle};
     use super::*;
     use crate::geodesic::Arc;
+    use crate::math::simd8::{LaneByLane, Simd8Work, with_simd8};
 
     fn random() -> impl FnMut() -> f64 {
         let mut state = 11u64;
@@ -122,6 +173,24 @@ mod tests {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             2.0 * ((state >> 11) as f64 / (1u64 << 53) as f64) - 1.0
         }
+    }
+
+    /// Triangles of many sizes near a point of a segment of size `scale`, the first lane empty, by random points of a size.
+    fn around(
+        segment: &impl Segment,
+        s: f64,
+        scale: f64,
+        mut point: impl FnMut(f64) -> DVec3,
+    ) -> TriangleBlock {
+        let mut block = TriangleBlock::default();
+        Triangle::set(&mut block, 0, Triangle::NOWHERE);
+        for lane in 1..LANES {
+            let size = scale * 10f64.powi(-(lane as i32) / 2);
+            let near = segment.point(s) + point(0.5 * size);
+            let [a, b, c] = [0; 3].map(|_| (near + point(size)).as_vec3());
+            Triangle::set(&mut block, lane, Triangle { a, b, c });
+        }
+        block
     }
 
     /// Counts what is crossed, screened and passed by of `count` triangles of many sizes around segments of size
@@ -137,16 +206,8 @@ mod tests {
             let mut point = |size: f64| size * DVec3::new(random(), random(), random());
             let [p0, p1, p2] = [point(scale), point(scale), point(scale)];
             let segment = segment([p0, p1, p2], f64::from(i % 7) * 0.1);
-            let mut block = TriangleBlock::default();
-            // One lane stays empty.
-            Triangle::set(&mut block, 0, Triangle::NOWHERE);
-            for lane in 1..LANES {
-                let size = scale * 10f64.powi(-(lane as i32) / 2);
-                let near = segment.point(f64::from(i) / 20_000.0) + point(0.5 * size);
-                let [a, b, c] = [0; 3].map(|_| (near + point(size)).as_vec3());
-                Triangle::set(&mut block, lane, Triangle { a, b, c });
-            }
-            let may = Cull::new(&segment.chord()).may_cross::<BENDS>(&block);
+            let block = around(&segment, f64::from(i) / 20_000.0, scale, point);
+            let may = Cull::new(&segment.chord()).may_cross::<BENDS>(&block, 1.0);
             for lane in 0..LANES {
                 let is_kept = may >> (8 * lane) & 1 == 1;
                 let is_crossed = crosses(&segment, &Triangle::get(&block, lane)) < f64::INFINITY;
@@ -186,6 +247,49 @@ mod tests {
                 let is_small = (kept as f64) < most_kept * crossed as f64;
                 assert!(!is_usual || is_small, "{crossed} crossed, {kept} kept, {out} out at scale {scale}");
             }
+        }
+    }
+
+    /// Screens a block for a line as far as a part of it.
+    struct Screening<'a>(&'a Line, &'a TriangleBlock, f32);
+
+    impl Simd8Work for Screening<'_> {
+        type Output = MayCross;
+
+        fn run<V: Simd8>(self, simd: V) -> MayCross {
+            let Self(line, block, until) = self;
+            Cull::new(&line.chord()).may_cross_line(simd, block, until)
+        }
+    }
+
+    #[test]
+    fn what_a_line_surely_crosses_is_crossed_before_the_part_told_and_no_crossing_is_screened_out() {
+        for scale in [1e-18, 1e-12, 1e-6, 1.0, 1e6, 1e14, 1e20] {
+            let mut random = random();
+            let [mut crossed, mut kept, mut sure] = [0; 3];
+            for i in 0..20_000 {
+                let mut point = |size: f64| size * DVec3::new(random(), random(), random());
+                let line = Line { p0: point(scale), p2: point(scale) };
+                let block = around(&line, f64::from(i) / 20_000.0, scale, point);
+                let until = (i % 5) as f32 / 4.0;
+                let screening = || Screening(&line, &block, until);
+                for met in [with_simd8(screening()), screening().run(LaneByLane)] {
+                    assert_eq!(met.may & 1, 0, "no triangle is there");
+                    for lane in 1..LANES {
+                        let triangle = Triangle::get(&block, lane);
+                        let s = triangle::cross_line(&line, &triangle, false);
+                        let (may, surely) = (met.may >> lane & 1 == 1, met.surely >> lane & 1 == 1);
+                        assert!(may || s > until.into(), "{triangle:?} at scale {scale}");
+                        assert!(!(may && surely) || s <= met.before[lane].into(), "{triangle:?} at {scale}");
+                        crossed += u32::from(s <= until.into());
+                        kept += u32::from(may);
+                        sure += u32::from(may && surely);
+                    }
+                }
+            }
+            let is_usual = (1e-6..1e7).contains(&scale);
+            assert!(!is_usual || kept < crossed + crossed / 5, "{kept} kept of {crossed} at scale {scale}");
+            assert!(!is_usual || sure > crossed - crossed / 20, "{sure} sure of {crossed} at scale {scale}");
         }
     }
 }

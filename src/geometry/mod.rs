@@ -25,6 +25,7 @@ mod scene;
 mod search;
 mod segment;
 mod shape;
+mod shortlist;
 mod skim;
 mod small_scene;
 mod smooth;

@@ -1,13 +1,14 @@
 //! The first primitive that a segment meets, by a walk of the hierarchy.
 
 use super::bvh::{LEAF_SIZE, Visitor};
-use super::cull::Cull;
+use super::cull::{Cull, min};
 use super::query::Sought;
 use super::scene::{Item, Placed, SharedMesh};
+use super::shortlist::Shortlist;
 use super::{Chord, Geometry, Hit, PrimitiveId, Segment, Triangle};
 use crate::math::columns::Row;
-use crate::math::kernel::widest;
 use crate::math::prefetch::prefetch;
+use crate::math::simd8::{Simd8, Simd8Work, with_simd8};
 use crate::spacetime::Side;
 
 impl Geometry {
@@ -36,12 +37,19 @@ impl Geometry {
     /// The first hit of a segment that leaves what `origin_prim` tells.
     #[inline]
     pub(super) fn first<S: Segment, L: Leaving>(&self, segment: &S, origin_prim: L) -> Option<Hit> {
-        widest(First { geometry: self, segment, origin_prim })
+        with_simd8(First { geometry: self, segment, origin_prim })
     }
 }
 
 /// Primitives that a segment starts on; their crossings at its start do not count.
 pub(super) trait Leaving: Copy {
+    /// True if it leaves no more than one primitive, which a line does not meet again.
+    const IS_ONE: bool;
+
+    /// Slot of the triangle that the segment starts on in the top hierarchy, or in that of the mesh placed in a slot;
+    /// any other if there is none.
+    fn own_slot(&self, placed: Option<u32>) -> u32;
+
     /// True if the segment starts on a primitive.
     fn starts_on(&self, primitive: PrimitiveId) -> bool;
 
@@ -51,6 +59,17 @@ pub(super) trait Leaving: Copy {
 
 /// A primitive alone.
 impl Leaving for PrimitiveId {
+    const IS_ONE: bool = true;
+
+    #[inline(always)]
+    fn own_slot(&self, placed: Option<u32>) -> u32 {
+        match placed {
+            None => self.item,
+            Some(slot) if slot == self.item => self.triangle,
+            Some(_) => Self::NONE.triangle,
+        }
+    }
+
     #[inline(always)]
     fn starts_on(&self, primitive: PrimitiveId) -> bool {
         *self == primitive
@@ -69,13 +88,14 @@ struct First<'a, S, L> {
     origin_prim: L,
 }
 
-impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for First<'_, S, L> {
+impl<S: Segment, L: Leaving> Simd8Work for First<'_, S, L> {
     type Output = Option<Hit>;
 
     #[inline(always)]
-    fn call(self) -> Option<Hit> {
+    fn run<V: Simd8>(self, simd: V) -> Option<Hit> {
         let mut nearest = Nearest::new(self.geometry, self.segment, self.origin_prim);
-        self.geometry.bvh.walk(&nearest.chord(), 1.0, &mut nearest);
+        self.geometry.bvh.walk(simd, &nearest.chord(), 1.0, &mut nearest);
+        nearest.settle();
         nearest.hit
     }
 }
@@ -91,6 +111,8 @@ pub(super) struct Nearest<'a, S, L> {
     any_before: f64,
     /// The first so far.
     pub(super) hit: Option<Hit>,
+    /// What is not yet tested.
+    shortlist: Shortlist,
 }
 
 /// Difference of parameters that rounding does not make.
@@ -102,7 +124,8 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
     pub(super) fn new(geometry: &'a Geometry, segment: &S, origin_prim: L) -> Self {
         let segment = segment.shifted(-geometry.origin);
         let along = Along::new(segment.chord());
-        Self { geometry, segment, along, origin_prim, any_before: 0.0, hit: None }
+        let shortlist = Shortlist::default();
+        Self { geometry, segment, along, origin_prim, any_before: 0.0, hit: None, shortlist }
     }
 
     /// Looks no longer than it takes to tell whether what is `sought` is so.
@@ -136,8 +159,17 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
 
     /// Part of the chord that matters.
     #[inline(always)]
-    pub(super) fn until(&self) -> f64 {
+    pub(super) fn until(&self) -> f32 {
         self.along.until
+    }
+
+    /// Tests what was put off: only then [`Self::hit`] is the first.
+    #[inline(always)]
+    pub(super) fn settle(&mut self) {
+        while let Some(slot) = self.shortlist.pop() {
+            let s = self.segment.cross_triangle(&self.geometry.triangle(slot), false);
+            self.consider(s, slot, 0);
+        }
     }
 
     /// Takes a crossing if it is the first.
@@ -147,20 +179,34 @@ impl<'a, S: Segment, L: Leaving> Nearest<'a, S, L> {
         if s < f64::INFINITY && self.hit.is_none_or(|best| self.geometry.is_before(&hit, &best)) {
             self.hit = Some(hit);
             let is_enough = s < self.any_before;
-            self.along.end_at(if is_enough { BEFORE_ALL } else { self.segment.part_beside(s) });
+            self.along.end_at(if is_enough { BEFORE_ALL.into() } else { self.segment.part_beside(s) });
         }
     }
 }
 
 /// Part of a chord that is before all of it.
-const BEFORE_ALL: f64 = -1.0;
+const BEFORE_ALL: f32 = -1.0;
+
+/// True if triangles are tested at the end: if all that surely are crossed count, and it is known where.
+const fn puts_off<S: Segment, L: Leaving>() -> bool {
+    !S::BENDS && L::IS_ONE
+}
 
 impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
     #[inline(always)]
-    fn leaf(&mut self, number: usize) -> f64 {
+    fn leaf<V: Simd8>(&mut self, simd: V, number: usize, until: f32) -> f32 {
         let Self { geometry, origin_prim, .. } = *self;
-        if !geometry.singles.is_empty() {
-            let mut may = self.along.screen_block::<S>(geometry.triangles.block(number));
+        if !geometry.singles.is_empty() && puts_off::<S, L>() {
+            let met = self.along.cull.may_cross_line(simd, geometry.triangles.block(number), until);
+            let own = lane_in(number, origin_prim.own_slot(None));
+            let before = self.shortlist.add(&met.without(own), number);
+            let is_enough = f64::from(before) < self.any_before;
+            self.along.until = min(self.along.until, if is_enough { BEFORE_ALL } else { before });
+            if self.shortlist.is_long() {
+                self.settle();
+            }
+        } else if !geometry.singles.is_empty() {
+            let mut may = self.along.screen_block::<S>(geometry.triangles.block(number), until);
             while let Some(slot) = next_slot(&mut may, number) {
                 let primitive = PrimitiveId { item: slot, triangle: 0 };
                 let own = origin_prim.starts_on(primitive);
@@ -176,7 +222,11 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let before = self.hit.map_or(f64::INFINITY, |hit| hit.s);
+                    let before = match self.hit {
+                        _ if puts_off::<S, L>() => self.along.until.into(),
+                        Some(hit) => hit.s,
+                        None => f64::INFINITY,
+                    };
                     let (s, triangle) = cross_other(geometry, slot, (&self.segment, before), origin_prim);
                     self.consider(s, slot, triangle);
                 }
@@ -236,7 +286,15 @@ fn cross_instance<S: Segment, L: Leaving>(
     if before < f64::INFINITY {
         along.end_at(segment.part_beside(before));
     }
-    widest(NearestInside { shared, segment, along, origin_prim, item, hit: (f64::INFINITY, 0) })
+    with_simd8(NearestInside {
+        shared,
+        segment,
+        along,
+        origin_prim,
+        item,
+        hit: (f64::INFINITY, 0),
+        shortlist: Shortlist::default(),
+    })
 }
 
 /// Looks for the first hit in the hierarchy of a shared mesh.
@@ -250,25 +308,57 @@ struct NearestInside<'a, S, L> {
     item: u32,
     /// Parameter and slot.
     hit: (f64, u32),
+    /// What is not yet tested.
+    shortlist: Shortlist,
 }
 
-impl<S: Segment, L: Leaving> pulp::NullaryFnOnce for NearestInside<'_, S, L> {
+impl<S: Segment, L: Leaving> Simd8Work for NearestInside<'_, S, L> {
     type Output = (f64, u32);
 
     #[inline(always)]
-    fn call(mut self) -> (f64, u32) {
+    fn run<V: Simd8>(mut self, simd: V) -> (f64, u32) {
         let Along { chord, until, .. } = self.along;
-        self.shared.bvh.walk(&chord, until, &mut self);
+        self.shared.bvh.walk(simd, &chord, until, &mut self);
+        self.settle();
         self.hit
+    }
+}
+
+impl<S: Segment, L: Leaving> NearestInside<'_, S, L> {
+    /// Tests what was put off.
+    #[inline(always)]
+    fn settle(&mut self) {
+        while let Some(slot) = self.shortlist.pop() {
+            let s = self.segment.cross_triangle(&self.shared.triangles.get(slot as usize), false);
+            self.consider(s, slot);
+        }
+    }
+
+    /// Takes a crossing if it is the first.
+    #[inline(always)]
+    fn consider(&mut self, s: f64, slot: u32) {
+        let ((best, at), order) = (self.hit, self.shared.bvh.order());
+        if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
+            self.hit = (s, slot);
+            self.along.end_at(self.segment.part_beside(s));
+        }
     }
 }
 
 impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
     #[inline(always)]
-    fn leaf(&mut self, number: usize) -> f64 {
-        let SharedMesh { bvh, triangles } = self.shared;
-        let order = bvh.order();
-        let mut may = self.along.screen_block::<S>(triangles.block(number));
+    fn leaf<V: Simd8>(&mut self, simd: V, number: usize, until: f32) -> f32 {
+        let SharedMesh { triangles, .. } = self.shared;
+        if puts_off::<S, L>() {
+            let met = self.along.cull.may_cross_line(simd, triangles.block(number), until);
+            let own = lane_in(number, self.origin_prim.own_slot(Some(self.item)));
+            self.along.until = min(self.along.until, self.shortlist.add(&met.without(own), number));
+            if self.shortlist.is_long() {
+                self.settle();
+            }
+            return self.along.until;
+        }
+        let mut may = self.along.screen_block::<S>(triangles.block(number), until);
         while let Some(slot) = next_slot(&mut may, number) {
             let primitive = PrimitiveId { item: self.item, triangle: slot };
             let own = self.origin_prim.starts_on(primitive);
@@ -276,11 +366,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
             if self.origin_prim.leaves_also(primitive, s) {
                 s = self.segment.cross_triangle(&triangles.get(slot as usize), true);
             }
-            let (best, at) = self.hit;
-            if s < best || (s == best && s < f64::INFINITY && order[slot as usize] < order[at as usize]) {
-                self.hit = (s, slot);
-                self.along.end_at(self.segment.part_beside(s));
-            }
+            self.consider(s, slot);
         }
         self.along.until
     }
@@ -289,6 +375,12 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
     fn prefetch(&self, number: usize) {
         prefetch(self.shared.triangles.block(number));
     }
+}
+
+/// Lane of a slot, if it is in a leaf.
+#[inline(always)]
+fn lane_in(leaf: usize, slot: u32) -> Option<usize> {
+    (slot as usize / LEAF_SIZE == leaf).then_some(slot as usize % LEAF_SIZE)
 }
 
 /// Takes the next slot of a leaf from the lanes that `may` names by bytes.
@@ -302,8 +394,8 @@ pub(super) fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
 /// Extent of a search along the chord of a segment.
 struct Along {
     chord: Chord,
-    /// The part of the chord that matters.
-    until: f64,
+    /// The part of the chord that matters, or a little more.
+    until: f32,
     cull: Cull,
 }
 
@@ -315,18 +407,17 @@ impl Along {
 
     /// One byte a lane: whether the segment may cross the triangle of that lane.
     #[inline(always)]
-    fn screen_block<S: Segment>(&self, triangles: &<Triangle as Row>::Block) -> u64 {
+    fn screen_block<S: Segment>(&self, triangles: &<Triangle as Row>::Block, until: f32) -> u64 {
         if S::BENDS {
-            self.cull.may_cross::<true>(triangles)
+            self.cull.may_cross::<true>(triangles, until)
         } else {
-            self.cull.may_cross::<false>(triangles)
+            self.cull.may_cross::<false>(triangles, until)
         }
     }
 
     /// Nothing beyond a `part` of the chord matters any more.
     #[inline(always)]
     fn end_at(&mut self, part: f64) {
-        self.until = self.until.min(part);
-        self.cull.end_at(part);
+        self.until = min(part as f32 * (1.0 + 4.0 * f32::EPSILON), self.until);
     }
 }

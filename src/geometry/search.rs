@@ -12,7 +12,7 @@ use super::scene::{Geometry, Hit, PrimitiveId};
 use super::small_scene::SmallScene;
 use super::{Finds, Found, Segment, SideBySide};
 use crate::math::columns::Columns;
-use crate::math::kernel::widest;
+use crate::math::simd8::{Simd8, Simd8Work, with_simd8};
 use crate::spacetime::Side;
 
 /// Segments to be searched and what they meet first. Its memory is used again from round to round.
@@ -40,7 +40,7 @@ const SPARSE: usize = 3;
 const TURNS: usize = 8;
 /// Bytes of a hierarchy with its triangles that stay in a core's cache: one traversal after the other is faster then.
 /// Measured.
-const IN_CACHE: usize = 1 << 21;
+const IN_CACHE: usize = 5 << 19;
 
 impl<S: SideBySide> Default for Search<S> {
     fn default() -> Self {
@@ -115,7 +115,7 @@ impl Geometry {
         if self.is_small::<S>() {
             few.search::<S>(self, (queries.blocks(lanes), lanes), found, near_start);
         } else {
-            widest(Traversal { geometry: self, queries, lanes, sought, found, near_start });
+            with_simd8(Traversal { geometry: self, queries, lanes, sought, found, near_start });
         }
         for &lane in near_start.iter() {
             if let Some(first) = self.found_near_start(&queries.get(lane)) {
@@ -160,20 +160,20 @@ impl<'a, S: SideBySide> LaneWalk<'a, S> {
     }
 }
 
-impl<S: SideBySide, F: Fn(usize) -> Sought> pulp::NullaryFnOnce for Traversal<'_, S, F> {
+impl<S: SideBySide, F: Fn(usize) -> Sought> Simd8Work for Traversal<'_, S, F> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<V: Simd8>(self, simd: V) {
         let bytes = self.geometry.bvh.memory_bytes() + self.geometry.triangles.memory_bytes();
-        if bytes < IN_CACHE { self.one_by_one() } else { self.interleaved() }
+        if bytes < IN_CACHE { self.one_by_one(simd) } else { self.interleaved(simd) }
     }
 }
 
 impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
     /// In a loop of its own, so that what a walk needs stays in registers.
     #[inline(always)]
-    fn one_by_one(self) {
+    fn one_by_one<V: Simd8>(self, simd: V) {
         let Traversal { geometry, queries, lanes, sought, found, near_start } = self;
         let mut walk = Walk::new(HeapStack::new_with_capacity(geometry.bvh.pending()));
         for lane in 0..lanes {
@@ -183,17 +183,18 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
             }
             let mut nearest = Nearest::new(geometry, &segment, origin_prim);
             nearest.seek(sought(lane));
-            walk.start(&geometry.bvh, &nearest.chord(), nearest.until(), &mut nearest);
+            walk.start(simd, &geometry.bvh, &nearest.chord(), nearest.until(), &mut nearest);
             while walk.is_on {
-                walk.step(&geometry.bvh, &mut nearest);
+                walk.step(simd, &geometry.bvh, &mut nearest);
             }
+            nearest.settle();
             add_found(&nearest, (&segment, lane), found, near_start);
         }
     }
 
     /// Several at once, a visit of each in turn.
     #[inline(always)]
-    fn interleaved(self) {
+    fn interleaved<V: Simd8>(self, simd: V) {
         let Traversal { geometry, queries, lanes, sought, found, near_start } = self;
         let bvh = &geometry.bvh;
         // In no array: their loop, written out, would be slower by 2 %.
@@ -213,9 +214,9 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
                     lane_walk.nearest = Nearest::new(geometry, &segment, origin_prim);
                     lane_walk.nearest.seek(sought(next));
                     let LaneWalk { walk, nearest, .. } = lane_walk;
-                    walk.start(bvh, &nearest.chord(), nearest.until(), nearest);
+                    walk.start(simd, bvh, &nearest.chord(), nearest.until(), nearest);
                 } else {
-                    lane_walk.walk.step(bvh, &mut lane_walk.nearest);
+                    lane_walk.walk.step(simd, bvh, &mut lane_walk.nearest);
                 }
                 if lane_walk.walk.is_on {
                     lane_walk.walk.prefetch(bvh, &lane_walk.nearest);
@@ -223,6 +224,7 @@ impl<S: SideBySide, F: Fn(usize) -> Sought> Traversal<'_, S, F> {
                 } else {
                     let LaneWalk { lane, nearest, .. } = lane_walk;
                     let segment = queries.get(*lane).segment;
+                    nearest.settle();
                     add_found(nearest, (&segment, *lane), found, near_start);
                 }
             }

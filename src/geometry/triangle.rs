@@ -5,7 +5,8 @@ use glam::{DVec3, Vec3};
 use super::line::Line;
 use crate::geodesic::Arc;
 use crate::math::bernstein::positive;
-use crate::math::columns::columns;
+use crate::math::columns::{LANES, columns};
+use crate::math::simd8::Simd8;
 
 columns! {
     /// A triangle by its corners, counter-clockwise seen from the front. Stored in f32, computed with in f64.
@@ -17,6 +18,15 @@ columns! {
         b: Vec3,
         /// Corner 2.
         c: Vec3,
+    }
+}
+
+impl TriangleBlock {
+    /// Corners, by component.
+    #[inline(always)]
+    pub fn corners<V: Simd8>(&self, simd: V) -> [[V::F; 3]; 3] {
+        let load = |[x, y, z]: &[[f32; LANES]; 3]| [simd.load(x), simd.load(y), simd.load(z)];
+        [load(&self.a), load(&self.b), load(&self.c)]
     }
 }
 

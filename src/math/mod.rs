@@ -18,4 +18,5 @@ pub mod real;
 pub(crate) mod rescale;
 pub(crate) mod rotation;
 pub mod simd;
+pub(crate) mod simd8;
 pub(crate) mod sin_cos_turns;

@@ -30,12 +30,13 @@ pub use self::node::{EMPTY, LEAF_SIZE};
 use self::thick_ray::ThickRay;
 use super::Chord;
 use crate::math::prefetch::prefetch;
+use crate::math::simd8::Simd8;
 
 /// Visitor of the leaves that a traversal comes to. (A closure cannot be forced inline, and only what is inlined gets
 /// the wide vectors.)
 pub trait Visitor {
-    /// Looks at a leaf: the part of the chord at which the search may end.
-    fn leaf(&mut self, number: usize) -> f64;
+    /// Looks at a leaf, `until` a part of the chord: that at which the search may end, not less than it is.
+    fn leaf<V: Simd8>(&mut self, simd: V, number: usize, until: f32) -> f32;
 
     /// Asks for the memory of a leaf.
     fn prefetch(&self, number: usize);
@@ -128,12 +129,12 @@ impl Bvh {
     /// Shows `visitor` the leaves whose boxes the thick ray around `chord` meets `until` a part of it, roughly front to
     /// back; where there are few boxes, all.
     #[inline(always)]
-    pub fn walk(&self, chord: &Chord, until: f64, visitor: &mut impl Visitor) {
+    pub fn walk<V: Simd8>(&self, simd: V, chord: &Chord, until: f32, visitor: &mut impl Visitor) {
         fast_stack!(u64, (64, 256), self.pending, stack, {
             let mut walk = Walk::new(stack);
-            walk.start(self, chord, until, visitor);
+            walk.start(simd, self, chord, until, visitor);
             while walk.is_on {
-                walk.step(self, visitor);
+                walk.step(simd, self, visitor);
             }
         })
     }
@@ -174,10 +175,17 @@ impl<S: FastStack<u64>> Walk<S> {
 
     /// Starts along `chord`, `until` a part of it.
     #[inline(always)]
-    pub fn start(&mut self, bvh: &Bvh, chord: &Chord, until: f64, visitor: &mut impl Visitor) {
+    pub fn start<V: Simd8>(
+        &mut self,
+        simd: V,
+        bvh: &Bvh,
+        chord: &Chord,
+        until: f32,
+        visitor: &mut impl Visitor,
+    ) {
         if bvh.nodes.is_empty() {
             for number in 0..bvh.order.len() / LEAF_SIZE {
-                visitor.leaf(number);
+                visitor.leaf(simd, number, until);
             }
         } else if chord.end != chord.start {
             self.ray = ThickRay::new(chord);
@@ -199,13 +207,14 @@ impl<S: FastStack<u64>> Walk<S> {
 
     /// Visits the next node or leaf.
     #[inline(always)]
-    pub fn step(&mut self, bvh: &Bvh, visitor: &mut impl Visitor) {
+    pub fn step<V: Simd8>(&mut self, simd: V, bvh: &Bvh, visitor: &mut impl Visitor) {
         let number = self.next.number();
         if number & LEAF != 0 {
-            self.ray.shorten(visitor.leaf((number & !LEAF) as usize));
+            let leaf = (number & !LEAF) as usize;
+            self.ray.shorten(visitor.leaf(simd, leaf, self.ray.until()));
         } else {
             let node = &bvh.nodes[number as usize];
-            let (mut met, enter) = self.ray.meets(node);
+            let (mut met, enter) = self.ray.meets(simd, node);
             if met != 0 {
                 let mut nearest = StackEntry::pull(&mut met, &enter, node);
                 while met != 0 {
@@ -235,13 +244,13 @@ struct StackEntry(u64);
 impl StackEntry {
     const ROOT: StackEntry = StackEntry(0);
 
-    /// The next child of `node` that `met` names by bytes.
+    /// The next child of `node` that `met` names by bits.
     #[inline(always)]
-    fn pull(met: &mut u64, enter: &[f32; WIDTH], node: &BvhNode) -> Self {
-        let child = met.trailing_zeros() / u8::BITS;
+    fn pull(met: &mut u32, enter: &[f32; WIDTH], node: &BvhNode) -> Self {
+        let child = met.trailing_zeros() as usize % WIDTH;
         *met &= *met - 1;
         // Parts are not negative: they are ordered as their bits are.
-        Self(u64::from(enter[child as usize % WIDTH].to_bits()) << 32 | u64::from(node.child(child)))
+        Self(u64::from(enter[child].to_bits()) << 32 | u64::from(node.children[child]))
     }
 
     #[inline(always)]
@@ -271,6 +280,7 @@ fn outwards((min, max): (DVec3, DVec3)) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::simd8::LaneByLane;
 
     /// `count` boxes in a row along x, of half-width `half`.
     fn row(count: usize, half: f64) -> Bvh {
@@ -285,10 +295,10 @@ mod tests {
     }
 
     impl Visitor for Met<'_> {
-        fn leaf(&mut self, number: usize) -> f64 {
+        fn leaf<V: Simd8>(&mut self, _: V, number: usize, _: f32) -> f32 {
             let slots = &self.bvh.order()[number * LEAF_SIZE..(number + 1) * LEAF_SIZE];
             self.boxes.extend(slots.iter().filter(|&&index| index != EMPTY));
-            f64::INFINITY
+            f32::INFINITY
         }
 
         fn prefetch(&self, _: usize) {}
@@ -297,7 +307,7 @@ mod tests {
     /// Boxes that a walk along `chord` is shown, sorted by index.
     fn met(bvh: &Bvh, chord: &Chord) -> Vec<u32> {
         let mut met = Met { bvh, boxes: Vec::new() };
-        bvh.walk(chord, 1.0, &mut met);
+        bvh.walk(LaneByLane, chord, 1.0, &mut met);
         met.boxes.sort_unstable();
         met.boxes
     }
