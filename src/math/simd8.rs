@@ -283,9 +283,9 @@ mod tests {
     use super::*;
 
     /// All operations on some numbers, one after the other.
-    struct All([[f32; LANES]; 3]);
+    struct AllOperations([[f32; LANES]; 3]);
 
-    impl Simd8Work for All {
+    impl Simd8Work for AllOperations {
         type Output = (Vec<[f32; LANES]>, u32);
 
         fn run<V: Simd8>(self, simd: V) -> Self::Output {
@@ -317,6 +317,9 @@ mod tests {
             let canonical = |value: f32| if value.is_nan() { f32::NAN.to_bits() } else { value.to_bits() };
             (results.iter().map(|lanes| lanes.map(canonical)).collect::<Vec<_>>(), bits)
         };
-        assert_eq!(bits(with_simd8(All([a, b, c]))), bits(All([a, b, c]).run(LaneByLane)));
+        assert_eq!(
+            bits(with_simd8(AllOperations([a, b, c]))),
+            bits(AllOperations([a, b, c]).run(LaneByLane))
+        );
     }
 }
