@@ -190,10 +190,10 @@ impl Simd8Work for Upon<'_> {
 
 impl Visitor for Upon<'_> {
     #[inline(always)]
-    fn leaf<V: Simd8>(&mut self, _: V, number: usize, _: f32) -> f32 {
+    fn leaf<V: Simd8>(&mut self, simd: V, number: usize, _: f32) -> f32 {
         let Self { geometry, line, .. } = *self;
         if !geometry.singles.is_empty() {
-            let mut may = self.cull.may_cross::<false>(geometry.triangles.block(number), 1.0);
+            let mut may = self.cull.may_cross_line(simd, geometry.triangles.block(number), 1.0).may;
             while let Some(slot) = next_slot(&mut may, number) {
                 let s = line.cross_triangle(&geometry.triangle(slot), false);
                 self.add(s, PrimitiveId { item: slot, triangle: 0 });
@@ -256,9 +256,9 @@ impl Simd8Work for UponTriangles<'_, '_> {
 
 impl Visitor for UponTriangles<'_, '_> {
     #[inline(always)]
-    fn leaf<V: Simd8>(&mut self, _: V, number: usize, _: f32) -> f32 {
+    fn leaf<V: Simd8>(&mut self, simd: V, number: usize, _: f32) -> f32 {
         let triangles = &self.shared.triangles;
-        let mut may = self.cull.may_cross::<false>(triangles.block(number), 1.0);
+        let mut may = self.cull.may_cross_line(simd, triangles.block(number), 1.0).may;
         while let Some(slot) = next_slot(&mut may, number) {
             let s = self.line.cross_triangle(&triangles.get(slot as usize), false);
             self.upon.add(s, PrimitiveId { item: self.item, triangle: slot });

@@ -45,10 +45,9 @@ impl Cull {
         Self { start, along, bow, sweep: bow.cross(along), reach, room }
     }
 
-    /// One byte a lane: 1 if the segment may cross the triangle of that lane before a part of its chord that is at least
-    /// `until`, 0 if it does not. The bow is 0 unless it `BENDS`.
+    /// Lanes whose triangles the segment may cross before a part of its chord that is at least `until`, a bit each.
     #[inline(always)]
-    pub fn may_cross<const BENDS: bool>(&self, triangles: &TriangleBlock, until: f32) -> u64 {
+    pub fn may_cross(&self, triangles: &TriangleBlock, until: f32) -> u32 {
         let Cull { start, along, bow, sweep, reach, room } = *self;
         let mut may = [0u8; LANES];
         for (lane, may) in may.iter_mut().enumerate() {
@@ -59,11 +58,8 @@ impl Cull {
             let w = whole - u - v;
             let (first, last) = (e2.dot(q), e2.dot(q) - until * whole);
             // How much the whole bow adds to them.
-            let (mut more_u, mut more_v, mut more_height) = (0.0, 0.0, 0.0);
-            if BENDS {
-                (more_u, more_v) = (sweep.dot(e2), -sweep.dot(e1));
-                more_height = e2.dot(bow.cross(e1));
-            }
+            let (more_u, more_v) = (sweep.dot(e2), -sweep.dot(e1));
+            let more_height = e2.dot(bow.cross(e1));
             let more_w = -(more_u + more_v);
             // `from` is a difference of places that are rounded themselves.
             let edge = max(largest(e1), largest(e2));
@@ -81,7 +77,8 @@ impl Cull {
             let is_met = is_inside & (lowest <= beside) & (highest >= -beside);
             *may = u8::from(is_there & (is_met | is_huge));
         }
-        u64::from_le_bytes(may)
+        // The product brings the lowest bit of each byte to the highest byte.
+        (u64::from_le_bytes(may).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32
     }
 
     /// Triangles that the segment, a line, may cross before a part of it that is at least `until`.
@@ -195,9 +192,10 @@ mod tests {
 
     /// Counts what is crossed, screened and passed by of `count` triangles of many sizes around segments of size
     /// `scale`.
-    fn screened<S: Segment, const BENDS: bool>(
+    fn screened<S: Segment>(
         scale: f64,
         segment: impl Fn([DVec3; 3], f64) -> S,
+        may_cross: impl Fn(&S, &TriangleBlock) -> u32,
         crosses: impl Fn(&S, &Triangle) -> f64,
     ) -> [usize; 3] {
         let mut random = random();
@@ -207,9 +205,9 @@ mod tests {
             let [p0, p1, p2] = [point(scale), point(scale), point(scale)];
             let segment = segment([p0, p1, p2], f64::from(i % 7) * 0.1);
             let block = around(&segment, f64::from(i) / 20_000.0, scale, point);
-            let may = Cull::new(&segment.chord()).may_cross::<BENDS>(&block, 1.0);
+            let may = may_cross(&segment, &block);
             for lane in 0..LANES {
-                let is_kept = may >> (8 * lane) & 1 == 1;
+                let is_kept = may >> lane & 1 == 1;
                 let is_crossed = crosses(&segment, &Triangle::get(&block, lane)) < f64::INFINITY;
                 assert!(is_kept || !is_crossed, "{:?} at scale {scale}", Triangle::get(&block, lane));
                 assert!(lane > 0 || !is_kept);
@@ -228,17 +226,19 @@ mod tests {
     #[test]
     fn what_is_crossed_is_never_screened_out_and_little_else_is_kept() {
         for scale in [1e-18, 1e-6, 1.0, 1e6, 1e14, 1e20] {
-            let lines = screened::<_, false>(
+            let lines = screened(
                 scale,
                 |[p0, _, p2], _| Line { p0, p2 },
+                |line, block| with_simd8(Screening(line, block, 1.0)).may,
                 |line, triangle| triangle::cross_line(line, triangle, false),
             );
-            let arcs = screened::<_, true>(
+            let arcs = screened(
                 scale,
                 |[p0, p1, p2], bend| {
                     let across = bend * (p1 - p0).reject_from(p2 - p0);
                     Arc { p0, p1: p0.lerp(p2, 0.3) + across, p2, w: 0.9 }
                 },
+                |arc, block| Cull::new(&arc.chord()).may_cross(block, 1.0),
                 |arc, triangle| triangle::cross_arc(arc, triangle, false),
             );
             let is_usual = (1e-6..1e7).contains(&scale);

@@ -206,7 +206,7 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
                 self.settle();
             }
         } else if !geometry.singles.is_empty() {
-            let mut may = self.along.screen_block::<S>(geometry.triangles.block(number), until);
+            let mut may = self.along.screen_block::<S, V>(simd, geometry.triangles.block(number), until);
             while let Some(slot) = next_slot(&mut may, number) {
                 let primitive = PrimitiveId { item: slot, triangle: 0 };
                 let own = origin_prim.starts_on(primitive);
@@ -222,10 +222,10 @@ impl<S: Segment, L: Leaving> Visitor for Nearest<'_, S, L> {
         if !geometry.others.is_empty() {
             for slot in (number * LEAF_SIZE) as u32..((number + 1) * LEAF_SIZE) as u32 {
                 if (geometry.bvh.order()[slot as usize] as usize) < geometry.others.len() {
-                    let before = match self.hit {
-                        _ if puts_off::<S, L>() => self.along.until.into(),
-                        Some(hit) => hit.s,
-                        None => f64::INFINITY,
+                    let before = if puts_off::<S, L>() {
+                        self.along.until.into()
+                    } else {
+                        self.hit.map_or(f64::INFINITY, |hit| hit.s)
                     };
                     let (s, triangle) = cross_other(geometry, slot, (&self.segment, before), origin_prim);
                     self.consider(s, slot, triangle);
@@ -358,7 +358,7 @@ impl<S: Segment, L: Leaving> Visitor for NearestInside<'_, S, L> {
             }
             return self.along.until;
         }
-        let mut may = self.along.screen_block::<S>(triangles.block(number), until);
+        let mut may = self.along.screen_block::<S, V>(simd, triangles.block(number), until);
         while let Some(slot) = next_slot(&mut may, number) {
             let primitive = PrimitiveId { item: self.item, triangle: slot };
             let own = self.origin_prim.starts_on(primitive);
@@ -383,10 +383,10 @@ fn lane_in(leaf: usize, slot: u32) -> Option<usize> {
     (slot as usize / LEAF_SIZE == leaf).then_some(slot as usize % LEAF_SIZE)
 }
 
-/// Takes the next slot of a leaf from the lanes that `may` names by bytes.
+/// Takes the next slot of a leaf from the lanes that `may` names by bits.
 #[inline(always)]
-pub(super) fn next_slot(may: &mut u64, leaf: usize) -> Option<u32> {
-    let lane = may.trailing_zeros() / u8::BITS;
+pub(super) fn next_slot(may: &mut u32, leaf: usize) -> Option<u32> {
+    let lane = may.trailing_zeros();
     *may &= may.wrapping_sub(1);
     (lane < LEAF_SIZE as u32).then_some((leaf * LEAF_SIZE) as u32 + lane)
 }
@@ -405,13 +405,18 @@ impl Along {
         Self { chord, until: 1.0, cull: Cull::new(&chord) }
     }
 
-    /// One byte a lane: whether the segment may cross the triangle of that lane.
+    /// Lanes whose triangles the segment may cross, a bit each.
     #[inline(always)]
-    fn screen_block<S: Segment>(&self, triangles: &<Triangle as Row>::Block, until: f32) -> u64 {
+    fn screen_block<S: Segment, V: Simd8>(
+        &self,
+        simd: V,
+        triangles: &<Triangle as Row>::Block,
+        until: f32,
+    ) -> u32 {
         if S::BENDS {
-            self.cull.may_cross::<true>(triangles, until)
+            self.cull.may_cross(triangles, until)
         } else {
-            self.cull.may_cross::<false>(triangles, until)
+            self.cull.may_cross_line(simd, triangles, until).may
         }
     }
 

@@ -27,6 +27,9 @@ pub struct LampHalos(Geometry);
 impl LampHalos {
     /// Those of a scene; `None` if it has no lamps, or none small enough.
     pub fn of(scene: &Baked) -> Option<Self> {
+        if !scene.materials.iter().any(|material| material.emits()) {
+            return None;
+        }
         let pixel = scene.pixel();
         let pixels = |halo: &Sphere| {
             let distance = halo.center.distance(scene.camera.position);

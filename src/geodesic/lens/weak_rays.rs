@@ -150,7 +150,7 @@ impl WeakRays<'_> {
         }
     }
 
-    /// The ray that sweeps an angle, from two trials, by cubic interpolation of gamma by the angle swept: the angle of its straight line and
+    /// The ray that sweeps an angle, from two trials, by cubic interpolation of gamma by that: the angle of its straight line and
     /// the slope there, and true if they are good.
     #[inline(always)]
     fn root(&self, swept: f64, first: &LineTrial, second: &LineTrial) -> (f64, f64, bool) {

@@ -94,30 +94,10 @@ impl LampEdges {
             samples: probes,
             share: Share::Lamps,
         };
-        let seen_by = |samples: &Samples, count: u32| -> Vec<Seen> {
-            let pixels = samples.radiance.chunks_exact(count as usize);
-            pixels.map(|probes| range(probes.iter().copied())).collect()
-        };
         let samples = probe(&work)?;
-        let mut seen = seen_by(&samples, probes);
+        let mut seen: Vec<Seen> = seen_by(&samples, probes).collect();
         let near_lamps = self.near_lamps_after(&samples, probes);
-        for (closer, is_for) in CLOSER_PROBES.into_iter().zip([true, false]) {
-            let is_few = |near: u32| FEW * near < self.probes + probes;
-            let marks = near_lamps.iter().map(|&near| near > 0 && is_few(near) == is_for).collect();
-            let pixels = EdgePixels::marked(marks);
-            if pixels.numbers().is_empty() {
-                continue;
-            }
-            // Past 2^25 probes the same numbers come again, as far as that is from mattering.
-            let first_sample = FIRST_CLOSER_PROBE + closer.wrapping_mul(self.probes) % (MAX_SPP / 4);
-            let samples = closer * probes;
-            let share = Share::Edges(&pixels);
-            let closely = probe(&Work { first_sample, samples, share, ..work })?;
-            for (&pixel, more) in pixels.numbers().iter().zip(seen_by(&closely, samples)) {
-                let all = &mut seen[pixel as usize];
-                *all = (all.0.min(more.0), all.1.max(more.1));
-            }
-        }
+        self.look_closer(&work, &near_lamps, &mut seen, &probe)?;
         let is_edge = |pixel: usize| {
             let (x, y) = (origin.0 + pixel % size.0 - low.0, origin.1 + pixel / size.0 - low.1);
             let rows = y.saturating_sub(1)..(y + 2).min(around.1);
@@ -136,6 +116,34 @@ impl LampEdges {
         Some(if is_early { EdgePixels::marked(found) } else { EdgePixels::default() })
     }
 
+    /// Sends closer probes after those of `work`, the ones before included, that came near a lamp, so many of each pixel;
+    /// adds what they see. `None` if `probe` gave up.
+    fn look_closer(
+        &self,
+        work: &Work,
+        near_lamps: &[u32],
+        seen: &mut [Seen],
+        probe: &impl Fn(&Work) -> Option<Samples>,
+    ) -> Option<()> {
+        for (closer, is_for_few) in CLOSER_PROBES.into_iter().zip([true, false]) {
+            let are_few = |near: u32| FEW * near < self.probes + work.samples;
+            let marks = near_lamps.iter().map(|&near| near > 0 && are_few(near) == is_for_few).collect();
+            let pixels = EdgePixels::marked(marks);
+            if pixels.numbers().is_empty() {
+                continue;
+            }
+            // Past 2^22 probes the same numbers come again, as far as that is from mattering.
+            let first_sample = FIRST_CLOSER_PROBE + closer.wrapping_mul(self.probes) % (MAX_SPP / 4);
+            let samples = closer * work.samples;
+            let closely = probe(&Work { first_sample, samples, share: Share::Edges(&pixels), ..*work })?;
+            for (&pixel, more) in pixels.numbers().iter().zip(seen_by(&closely, samples)) {
+                let all = &mut seen[pixel as usize];
+                *all = (all.0.min(more.0), all.1.max(more.1));
+            }
+        }
+        Some(())
+    }
+
     /// Probes that came near a lamp, with more of them, so many for each pixel; none if none has.
     fn near_lamps_after(&self, samples: &Samples, count: u32) -> Vec<u32> {
         let found = samples.near_lamps.chunks_exact(count as usize);
@@ -147,6 +155,11 @@ impl LampEdges {
 
 /// The least and the greatest of each component of what is seen.
 type Seen = (Vec3, Vec3);
+
+/// What each pixel's probes saw, so many of each.
+fn seen_by(samples: &Samples, count: u32) -> impl Iterator<Item = Seen> {
+    samples.radiance.chunks_exact(count as usize).map(|probes| range(probes.iter().copied()))
+}
 
 /// Both of some values.
 fn range(values: impl Iterator<Item = Vec3>) -> Seen {
