@@ -64,6 +64,15 @@ impl Environment {
         }
     }
 
+    /// True if the light from infinity depends on its direction.
+    pub fn varies(&self) -> bool {
+        match self {
+            Environment::Black | Environment::Constant(_) => false,
+            Environment::Gradient { .. } | Environment::Image(_) => true,
+            Environment::SunSky(sky) => !sky.is_black(),
+        }
+    }
+
     /// True if no light comes from infinity.
     pub fn is_black(&self) -> bool {
         match self {

@@ -148,6 +148,12 @@ impl Material {
         !self.lobe.is_specular() && self.lobe.albedo() != Vec3::ZERO
     }
 
+    /// True if the surface scatters no light, and looks the same all over.
+    pub fn only_emits(&self) -> bool {
+        let is_black = matches!(self.lobe, Lobe::Diffuse(Diffuse { albedo }) if albedo == Vec3::ZERO);
+        is_black && self.maps.is_empty() && self.opacity.is_none()
+    }
+
     /// True if light from one direction leaves in one or two and no others: a mirror, glass.
     pub fn is_specular(&self) -> bool {
         self.lobe.is_specular()

@@ -33,9 +33,9 @@ pub fn with_medium<M: ConformallyFlat, E: TransportVisitor>(
     Choice { scene, core: f64::INFINITY, sky: has_sky(scene), visitor }.spherical(center, medium)
 }
 
-/// True if directions at infinity are needed: only an environment asks for them.
+/// True if directions at infinity are needed: only an environment that is not the same all around asks for them.
 fn has_sky(scene: &Baked) -> bool {
-    Side::BOTH.into_iter().any(|side| !scene.environment(side).is_black())
+    Side::BOTH.into_iter().any(|side| scene.environment(side).varies())
 }
 
 /// Runs `visitor` with the transport that the scene's spacetime and settings call for.

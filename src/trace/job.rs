@@ -22,6 +22,8 @@ pub struct Job<'a> {
     pub media: Media,
     /// True if textures or vertex colours vary a material.
     pub has_maps: bool,
+    /// True if a surface's light depends on where exactly a ray lands on it.
+    pub has_details: bool,
     /// True if there are surfaces that rays may pass through.
     pub has_passages: bool,
     /// True if there is glass that absorbs.
@@ -48,6 +50,7 @@ impl<'a> Job<'a> {
         let media = media_around(scene, camera.side, camera.position + camera.near * camera.forward);
         let has_maps = scene.materials.iter().any(|material| !material.maps.is_empty());
         let has_passages = scene.materials.iter().any(|material| material.opacity.is_some());
+        let has_details = !scene.materials.iter().all(|material| material.only_emits());
         let absorbs = scene.materials.iter().any(|material| material.attenuation != Vec3::ZERO);
         Self {
             scene,
@@ -55,6 +58,7 @@ impl<'a> Job<'a> {
             sampler,
             media,
             has_maps,
+            has_details,
             has_passages,
             absorbs,
             cones: None,

@@ -119,7 +119,8 @@ fn trace_path<T: Transport>(
             counters.rays += 1;
             continue;
         }
-        let (outcome, arrived) = transport.settle(Some(geometry), &flight, &step, found);
+        let exactly = (job.has_details || samples.needs().camera_ray).then_some(geometry);
+        let (outcome, arrived) = transport.settle(exactly, &flight, &step, found);
         match outcome {
             Outcome::Flying(next) => flight = next,
             Outcome::Landed(landing) if passes(job, &mut path, &landing) => {

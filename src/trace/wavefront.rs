@@ -226,7 +226,7 @@ impl<T: Transport> Wavefront<T> {
                 beside.push(lane);
                 continue;
             };
-            exactly[lane] = true;
+            exactly[lane] = job.has_details || samples.needs().camera_ray;
             if let Some(of_scene) = &job.cones {
                 cones[lane] = of_scene.of_camera(job.scene, path.sample, (position, direction));
             }
