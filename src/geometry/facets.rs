@@ -8,8 +8,8 @@ use glam::Vec3;
 
 use super::Triangle;
 use super::cull::{LARGEST, ROUNDING, largest, max, min};
-use super::line::{Line, LineBlock};
-use crate::math::columns::{LANES, Row, columns};
+use super::line::Line;
+use crate::math::columns::{LANES, PAIRED, columns};
 
 /// A triangle in f32.
 #[derive(Clone, Copy, Debug)]
@@ -47,12 +47,12 @@ columns! {
 
 /// Candidates for the first crossings of a block of lines.
 #[derive(Clone, Copy, Debug)]
-pub struct Foremost {
+pub struct Foremost<const N: usize = LANES> {
     /// Slot of the triangle that comes first, or [`Foremost::NONE`].
-    pub slot: [u32; LANES],
+    pub slot: [u32; N],
     /// Parameters before which no other triangle is met; infinite if there are none, and if there is none that comes
     /// first of no meaning.
-    pub next: [f32; LANES],
+    pub next: [f32; N],
 }
 
 impl Foremost {
@@ -100,22 +100,44 @@ impl Facets {
         self.all.iter().map(|facet| facet.slot)
     }
 
+    /// Triangles that lines may meet first, without those that the lines start on: `line` gives them, with the slots of
+    /// these, by block and lane.
+    #[inline(always)]
+    pub fn all_foremost(
+        &self,
+        blocks: usize,
+        line: impl Fn(usize, usize) -> (Line, u32),
+        found: &mut Vec<Foremost>,
+    ) {
+        found.clear();
+        // Two blocks at once: one of f32 fills no more than half of the widest vectors.
+        for first in (0..blocks).step_by(2) {
+            let (mut lines, mut own) = (NarrowLineBlock::default(), [Foremost::NONE; PAIRED]);
+            let lanes = LANES * (blocks - first);
+            for (lane, own) in own.iter_mut().enumerate().take(lanes) {
+                let (line, slot) = line(first + lane / LANES, lane % LANES);
+                lines.put(lane, NarrowLine::new(&line));
+                *own = slot;
+            }
+            let Foremost { slot, next } = self.foremost::<PAIRED>(&lines, &own);
+            let halves = slot.as_chunks().0.iter().zip(next.as_chunks().0);
+            found.extend(halves.map(|(&slot, &next)| Foremost { slot, next }));
+        }
+    }
+
     /// Triangles that a block of lines may meet first, without those that the lines start on.
     #[inline(always)]
-    pub fn foremost(&self, lines: &LineBlock, own: &[u32; LANES]) -> Foremost {
-        let mut narrow = NarrowLineBlock::default();
+    fn foremost<const N: usize>(&self, lines: &NarrowLineBlock<N>, own: &[u32; N]) -> Foremost<N> {
         // Lines that are not numbers meet nothing: nothing comes before this.
-        let (mut first, mut next) = ([f32::NEG_INFINITY; LANES], [f32::INFINITY; LANES]);
-        let mut slot = [Foremost::NONE; LANES];
+        let (mut first, mut next) = ([f32::NEG_INFINITY; N], [f32::INFINITY; N]);
+        let mut slot = [Foremost::NONE; N];
         for (lane, first) in first.iter_mut().enumerate() {
-            let line = NarrowLine::new(&Line::get(lines, lane));
-            NarrowLine::set(&mut narrow, lane, line);
-            *first = if line.reach.is_finite() { f32::INFINITY } else { *first };
+            *first = if lines.row(lane).reach.is_finite() { f32::INFINITY } else { *first };
         }
         for facet in &self.all {
             let Facet { corner, e1, e2, normal, edge, .. } = *facet;
-            for lane in 0..LANES {
-                let NarrowLine { start, along, reach, room } = NarrowLine::get(&narrow, lane);
+            for lane in 0..N {
+                let NarrowLine { start, along, reach, room } = lines.row(lane);
                 let from = start - corner;
                 let moment = from.cross(along);
                 let inverse = -1.0 / normal.dot(along);
@@ -161,23 +183,22 @@ mod tests {
             let (mut met, mut open) = (0, 0);
             for round in 0..2000 {
                 let mut point = |size: f64| size * DVec3::new(random(), random(), random());
-                let mut lines = LineBlock::default();
-                for lane in 0..LANES {
-                    Line::set(&mut lines, lane, Line { p0: point(scale), p2: point(scale) });
-                }
+                let lines = [0; LANES].map(|_| Line { p0: point(scale), p2: point(scale) });
                 let triangles: Vec<Triangle> = (0..TRIANGLES)
                     .map(|number| {
                         let size = scale * 10f64.powi(-(number as i32) / 6);
-                        let near = Line::get(&lines, number % LANES).point(0.5) + point(0.5 * size);
+                        let near = lines[number % LANES].point(0.5) + point(0.5 * size);
                         let [a, b, c] = [0; 3].map(|_| (near + point(size)).as_vec3());
                         Triangle { a, b, c }
                     })
                     .collect();
                 let own = [0; LANES].map(|_| round % (2 * TRIANGLES as u32));
                 let facets = Facets::new((0..).zip(triangles.iter().copied()));
-                let Foremost { slot, next } = facets.foremost(&lines, &own);
+                let mut found = Vec::new();
+                facets.all_foremost(3, |_, lane| (lines[lane], own[lane]), &mut found);
+                let Foremost { slot, next } = found[round as usize % 3];
                 for lane in 0..LANES {
-                    let line = Line::get(&lines, lane);
+                    let line = lines[lane];
                     let mut first = f64::INFINITY;
                     for (number, triangle) in (0..).zip(&triangles) {
                         let s = triangle::cross_line(&line, triangle, number == own[lane]);
@@ -199,13 +220,12 @@ mod tests {
     fn what_is_not_a_number_meets_nothing() {
         let triangle = Triangle { a: Vec3::ZERO, b: Vec3::X, c: Vec3::Y };
         let facets = Facets::new([(0, triangle)].into_iter());
-        let mut lines = LineBlock::default();
         let through = Line { p0: DVec3::new(0.2, 0.2, 1.0), p2: DVec3::new(0.2, 0.2, -1.0) };
-        Line::set(&mut lines, 3, through);
-        for lane in [0, 5] {
-            Line::set(&mut lines, lane, Line { p0: DVec3::NAN, p2: DVec3::NAN });
-        }
-        let Foremost { slot, next } = facets.foremost(&lines, &[Foremost::NONE; LANES]);
+        let nowhere = Line { p0: DVec3::NAN, p2: DVec3::NAN };
+        let line = |lane: usize| if lane == 3 { through } else { nowhere };
+        let mut found = Vec::new();
+        facets.all_foremost(1, |_, lane| (line(lane), Foremost::NONE), &mut found);
+        let Foremost { slot, next } = found[0];
         assert_eq!((slot[3], next[3]), (0, f32::INFINITY));
         for lane in [0, 5] {
             assert_eq!(slot[lane], Foremost::NONE);

@@ -2,9 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::facets::Foremost;
 use super::line::LineBlock;
 use super::primitives::{Disk, Sphere};
-use super::small_scene::{Crossings, Culled, cross_triangles};
+use super::query::QueryBlock;
+use super::small_scene::{Crossings, Culled, cross_triangles, foremost};
 use super::triangle::Triangle;
 use super::{Chord, Geometry, Line, Segment, SideBySide};
 use crate::math::columns::{LANES, Row};
@@ -97,11 +99,11 @@ impl SideBySide for Skim {
     }
 
     #[inline(always)]
-    fn cross_spheres(
-        skims: &<Line as Row>::Block,
-        sphere: Sphere,
-        (own, slot): (&[u64; LANES], u32),
-        s: &mut [f64; LANES],
+    fn consider_sphere(
+        geometry: &Geometry,
+        (skims, own): (&<Line as Row>::Block, &[u64; LANES]),
+        (sphere, slot): (Sphere, u32),
+        first: &mut Crossings,
         _: &mut Culled,
     ) {
         // Most start farther from the sphere than they reach: no roots for blocks of those.
@@ -116,15 +118,27 @@ impl SideBySide for Skim {
             may[lane] = ((from2 - radius2).abs() <= farthest) & (own[lane] != u64::from(slot));
         }
         if may != [false; LANES] {
+            let mut s = [f64::INFINITY; LANES];
             for lane in 0..LANES {
                 s[lane] = Skim::get(skims, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
             }
+            first.consider_all(geometry, slot, &s);
         }
     }
 
     #[inline(always)]
-    fn cross_triangles(geometry: &Geometry, skims: &LineBlock, own: &[u64; LANES], first: &mut Crossings) {
-        cross_triangles(geometry, skims, own, first);
+    fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
+        foremost(geometry, queries, found);
+    }
+
+    #[inline(always)]
+    fn cross_triangles(
+        geometry: &Geometry,
+        skims: (&LineBlock, &[u64; LANES]),
+        foremost: Option<&Foremost>,
+        first: &mut Crossings,
+    ) {
+        cross_triangles(geometry, skims, foremost, first);
     }
 }
 

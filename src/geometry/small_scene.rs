@@ -1,7 +1,7 @@
 //! Scenes of few primitives: no hierarchy, each primitive is tested against blocks of segments, lane beside lane.
 //!
 //! Planes and lines give their crossing at once. Where an arc may cross a sphere is decided side by side, too, by the
-//! signs of a polynomial; the few that may are queued, and their roots are found in full blocks.
+//! signs of a polynomial; the few that do are queued, and their roots are found in full blocks.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use super::scene::Item;
 use super::sphere::FromStart;
 use super::{Finds, Found, Geometry, Line, PrimitiveId, Segment, Sphere, Triangle};
 use crate::geodesic::Arc;
-use crate::math::bernstein::{bracketed_roots, first_sign_change, variations};
+use crate::math::bernstein::{Isolated, bracketed_roots, isolated};
 use crate::math::columns::{Field, LANES, Row};
 use crate::math::kernel::widest;
 
@@ -28,12 +28,12 @@ pub struct Crossings {
     slot: [u32; LANES],
 }
 
-/// A segment that may cross a sphere once: where, and what changes its sign there.
+/// A segment that crosses a sphere, and what changes its sign there.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     lane: u32,
     slot: u32,
-    along: [f64; 5],
+    along: Isolated<5>,
 }
 
 /// Spheres that are screened before any crossing is looked for, at most: a bit for each and each lane.
@@ -85,6 +85,7 @@ impl Culled {
 /// First hits of segments. Its memory is used again from round to round.
 #[derive(Default)]
 pub struct SmallScene {
+    foremost: Vec<Foremost>,
     best: Vec<Crossings>,
     pending: Vec<Pending>,
     screened: Culled,
@@ -117,21 +118,25 @@ pub trait SideBySide: Segment + Row {
     /// The segment, prepared.
     fn prepared(&self) -> Self::Prepared;
 
-    /// Crossings of `sphere`, by lane: in `s` if they are found at once, else `screened`. With it come the slots that
-    /// the segments start on, and its own.
-    fn cross_spheres(
-        segments: &<Self::Prepared as Row>::Block,
-        sphere: Sphere,
-        own: (&[u64; LANES], u32),
-        s: &mut [f64; LANES],
+    /// Takes crossings of the sphere in a slot into account if they are found at once; else they are `screened`. With the
+    /// segments come the slots that they start on.
+    fn consider_sphere(
+        geometry: &Geometry,
+        segments: (&<Self::Prepared as Row>::Block, &[u64; LANES]),
+        sphere: (Sphere, u32),
+        first: &mut Crossings,
         screened: &mut Culled,
     );
 
-    /// Takes crossings of triangles into account. With the segments come the slots that they start on.
+    /// Looks which triangles blocks of queries may meet first, if that helps.
+    fn foremost(_: &Geometry, _: &[QueryBlock<Self::Block>], _: &mut Vec<Foremost>) {}
+
+    /// Takes crossings of triangles into account. With the segments come the slots that they start on, and those of the
+    /// triangles that they may meet first, if they were looked for.
     fn cross_triangles(
         geometry: &Geometry,
-        segments: &Self::Block,
-        own: &[u64; LANES],
+        segments: (&Self::Block, &[u64; LANES]),
+        foremost: Option<&Foremost>,
         first: &mut Crossings,
     );
 }
@@ -147,34 +152,56 @@ impl SideBySide for Line {
     }
 
     #[inline(always)]
-    fn cross_spheres(
-        lines: &<Line as Row>::Block,
-        sphere: Sphere,
-        (own, slot): (&[u64; LANES], u32),
-        s: &mut [f64; LANES],
+    fn consider_sphere(
+        geometry: &Geometry,
+        (lines, own): (&<Line as Row>::Block, &[u64; LANES]),
+        (sphere, slot): (Sphere, u32),
+        first: &mut Crossings,
         _: &mut Culled,
     ) {
+        let mut s = [f64::INFINITY; LANES];
         for lane in 0..LANES {
             s[lane] = Line::get(lines, lane).cross_sphere(&sphere, own[lane] == u64::from(slot));
         }
+        first.consider_all(geometry, slot, &s);
     }
 
     #[inline(always)]
-    fn cross_triangles(geometry: &Geometry, lines: &LineBlock, own: &[u64; LANES], first: &mut Crossings) {
-        cross_triangles(geometry, lines, own, first);
+    fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
+        foremost(geometry, queries, found);
     }
+
+    #[inline(always)]
+    fn cross_triangles(
+        geometry: &Geometry,
+        lines: (&LineBlock, &[u64; LANES]),
+        foremost: Option<&Foremost>,
+        first: &mut Crossings,
+    ) {
+        cross_triangles(geometry, lines, foremost, first);
+    }
+}
+
+/// Looks which triangles lines may meet first.
+#[inline(always)]
+pub(super) fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
+    let line = |block: usize, lane: usize| {
+        let queries = &queries[block];
+        let line = Line::get(&queries.segment, lane).shifted(queries.shift(geometry, lane));
+        (line, own_slot(queries.origin_prim[lane]) as u32)
+    };
+    geometry.facets.all_foremost(queries.len(), line, found);
 }
 
 /// Takes crossings of triangles by lines into account.
 #[inline(always)]
 pub(super) fn cross_triangles(
     geometry: &Geometry,
-    lines: &LineBlock,
-    own: &[u64; LANES],
+    (lines, own): (&LineBlock, &[u64; LANES]),
+    foremost: Option<&Foremost>,
     first: &mut Crossings,
 ) {
-    let own = own.map(|slot| slot as u32);
-    let Foremost { slot, next } = geometry.facets.foremost(lines, &own);
+    let Some(Foremost { slot, next }) = foremost else { return };
     let mut triangles = <Triangle as Row>::Block::default();
     for (lane, &slot) in slot.iter().enumerate() {
         let is_any = slot != Foremost::NONE;
@@ -189,7 +216,7 @@ pub(super) fn cross_triangles(
         if s[lane] < f64::from(next[lane]) {
             first.consider(geometry, lane, slot[lane], s[lane]);
         } else if slot[lane] != Foremost::NONE && next[lane] < f32::INFINITY {
-            all_triangles(geometry, &Line::get(lines, lane), (lane, own[lane]), first);
+            all_triangles(geometry, &Line::get(lines, lane), (lane, own[lane] as u32), first);
         }
     }
 }
@@ -215,11 +242,11 @@ impl SideBySide for Arc {
     }
 
     #[inline(always)]
-    fn cross_spheres(
-        arcs: &<FromStart as Row>::Block,
-        sphere: Sphere,
-        (own, slot): (&[u64; LANES], u32),
-        _: &mut [f64; LANES],
+    fn consider_sphere(
+        _: &Geometry,
+        (arcs, own): (&<FromStart as Row>::Block, &[u64; LANES]),
+        (sphere, slot): (Sphere, u32),
+        _: &mut Crossings,
         screened: &mut Culled,
     ) {
         let number = u64::from(slot);
@@ -234,8 +261,8 @@ impl SideBySide for Arc {
     #[inline(always)]
     fn cross_triangles(
         geometry: &Geometry,
-        arcs: &<Arc as Row>::Block,
-        own: &[u64; LANES],
+        (arcs, own): (&<Arc as Row>::Block, &[u64; LANES]),
+        _: Option<&Foremost>,
         first: &mut Crossings,
     ) {
         for slot in geometry.facets.slots() {
@@ -303,17 +330,18 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
     #[inline(always)]
     fn call(self) {
         let Searching { geometry, queries, lanes, few, found, near_start } = self;
-        let SmallScene { best, pending, screened } = few;
+        let SmallScene { foremost, best, pending, screened } = few;
         best.clear();
         pending.clear();
+        if !geometry.facets.is_empty() {
+            S::foremost(geometry, queries, foremost);
+        }
         for (number, queries) in queries.iter().enumerate() {
             screened.clear();
-            let mut first = first_crossings::<S>(geometry, queries, screened);
+            let first = first_crossings::<S>(geometry, (queries, foremost.get(number)), screened);
             while let Some((slot, lane, along)) = screened.pop() {
-                if variations(&along) == 1 {
+                if let Some(along) = isolated(along) {
                     pending.push(Pending { lane: (number * LANES + lane) as u32, slot, along });
-                } else if let Some(s) = first_sign_change(along) {
-                    first.consider(geometry, lane, slot, s);
                 }
             }
             best.push(first);
@@ -322,11 +350,12 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
             let mut along = [[0.0; LANES]; 5];
             for lane in 0..LANES {
                 // Lanes to spare repeat the last.
-                let c = some[lane.min(some.len() - 1)].along;
+                let c = some[lane.min(some.len() - 1)].along.c;
                 (0..5).for_each(|k| along[k][lane] = c[k]);
             }
             let roots = bracketed_roots(&along);
-            for (&Pending { lane, slot, .. }, s) in some.iter().zip(roots) {
+            for (&Pending { lane, slot, along }, root) in some.iter().zip(roots) {
+                let s = along.place(root);
                 best[lane as usize / LANES].consider(geometry, lane as usize % LANES, slot, s);
             }
         }
@@ -356,50 +385,61 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
 #[inline(always)]
 fn first_crossings<S: SideBySide>(
     geometry: &Geometry,
-    queries: &QueryBlock<S::Block>,
+    (queries, foremost): (&QueryBlock<S::Block>, Option<&Foremost>),
     screened: &mut Culled,
 ) -> Crossings {
     let (mut segments, mut prepared) = (S::Block::default(), <S::Prepared as Row>::Block::default());
     for lane in 0..LANES {
-        let is_whole = queries.need[lane] == Need::Whole;
-        let shift = if is_whole { -geometry.origin } else { NOWHERE };
-        let segment = S::get(&queries.segment, lane).shifted(shift);
+        let segment = S::get(&queries.segment, lane).shifted(queries.shift(geometry, lane));
         S::set(&mut segments, lane, segment);
         S::Prepared::set(&mut prepared, lane, segment.prepared());
     }
-    let own = queries.origin_prim.map(|PrimitiveId { item, triangle }| match triangle {
-        0 => u64::from(item),
-        _ => u64::MAX,
-    });
+    let own = queries.origin_prim.map(own_slot);
     let mut best = Crossings { s: [f64::INFINITY; LANES], slot: [0; LANES] };
     for (slot, item) in geometry.others() {
-        let number = u64::from(slot);
-        let mut s = [f64::INFINITY; LANES];
         match item {
             Item::Sphere(i) => {
-                let sphere = geometry.spheres[i as usize].0;
-                S::cross_spheres(&prepared, sphere, (&own, slot), &mut s, screened);
+                let sphere = (geometry.spheres[i as usize].0, slot);
+                S::consider_sphere(geometry, (&prepared, &own), sphere, &mut best, screened);
             }
             Item::Disk(i) => {
                 let disk = geometry.disks[i as usize].0;
+                let mut s = [f64::INFINITY; LANES];
                 for lane in 0..LANES {
-                    s[lane] = S::get(&segments, lane).cross_disk(&disk, own[lane] == number);
+                    s[lane] = S::get(&segments, lane).cross_disk(&disk, own[lane] == u64::from(slot));
                 }
+                best.consider_all(geometry, slot, &s);
             }
             Item::Triangle(_) | Item::Instance(_) => {}
         }
-        best.consider_all(geometry, slot, &s);
     }
     if !geometry.facets.is_empty() {
-        S::cross_triangles(geometry, &segments, &own, &mut best);
+        S::cross_triangles(geometry, (&segments, &own), foremost, &mut best);
     }
     best
+}
+
+impl<B> QueryBlock<B> {
+    /// Shift of a lane's segment to the origin of the geometry; to nowhere if it need not be searched.
+    #[inline(always)]
+    fn shift(&self, geometry: &Geometry, lane: usize) -> DVec3 {
+        if self.need[lane] == Need::Whole { -geometry.origin } else { NOWHERE }
+    }
+}
+
+/// Slot of what a segment starts on; any other if that is nothing.
+#[inline(always)]
+fn own_slot(PrimitiveId { item, triangle }: PrimitiveId) -> u64 {
+    match triangle {
+        0 => u64::from(item),
+        _ => u64::MAX,
+    }
 }
 
 impl Crossings {
     /// Takes crossings of the primitive in a slot into account, by lane.
     #[inline(always)]
-    fn consider_all(&mut self, geometry: &Geometry, slot: u32, s: &[f64; LANES]) {
+    pub(super) fn consider_all(&mut self, geometry: &Geometry, slot: u32, s: &[f64; LANES]) {
         if *s != [f64::INFINITY; LANES] {
             (0..LANES).for_each(|lane| self.consider(geometry, lane, slot, s[lane]));
         }

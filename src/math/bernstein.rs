@@ -11,16 +11,39 @@
 #[inline(always)]
 pub fn first_sign_change<const N: usize>(c: [f64; N]) -> Option<f64> {
     let above = c.iter().filter(|&&value| positive(value)).count();
-    if above == 0 || above == N { None } else { isolate(c) }
+    if above == 0 || above == N { None } else { first_root(c) }
 }
 
 /// The search proper: rare enough beside misses to be kept out of line.
 #[inline(never)]
-fn isolate<const N: usize>(c: [f64; N]) -> Option<f64> {
-    match variations(&c) {
-        1 => Some(bracketed_roots(&c.map(|c| [c]))[0]),
-        _ => subdivided(c),
+fn first_root<const N: usize>(c: [f64; N]) -> Option<f64> {
+    isolated(c).map(|part| part.place(bracketed_roots(&part.c.map(|c| [c]))[0]))
+}
+
+/// A polynomial on a part of [0, 1] on which its coefficients change sign once.
+#[derive(Clone, Copy, Debug)]
+pub struct Isolated<const N: usize> {
+    /// Its Bernstein coefficients on that part.
+    pub c: [f64; N],
+    start: f64,
+    width: f64,
+}
+
+impl<const N: usize> Isolated<N> {
+    /// Place in [0, 1] of a root, given where in the part it is.
+    #[inline(always)]
+    pub fn place(&self, root: f64) -> f64 {
+        self.start + self.width * root
     }
+}
+
+/// The part of [0, 1] on which a polynomial of given Bernstein coefficients changes sign first, and once.
+#[inline(always)]
+pub fn isolated<const N: usize>(c: [f64; N]) -> Option<Isolated<N>> {
+    if variations(&c) == 1 {
+        return Some(Isolated { c, start: 0.0, width: 1.0 });
+    }
+    subdivided(c, (0.0, 1.0, 0))
 }
 
 /// True if a value lies on the positive side; zero does.
@@ -38,30 +61,18 @@ pub fn variations<const N: usize>(c: &[f64; N]) -> usize {
 /// Depth at which two roots in one interval are taken for a touch: they are closer than 2⁻⁴⁰ of it.
 const MAX_DEPTH: u32 = 40;
 
-/// Depth-first, left half before right half.
-fn subdivided<const N: usize>(c: [f64; N]) -> Option<f64> {
-    let mut pending = [(c, 0.0, 1.0, 0u32); MAX_DEPTH as usize + 1];
-    let mut count = 1;
-    while count > 0 {
-        count -= 1;
-        let (c, start, width, depth) = pending[count];
-        match variations(&c) {
-            0 => {}
-            1 => return Some(start + width * bracketed_roots(&c.map(|c| [c]))[0]),
-            _ if depth == MAX_DEPTH => {}
-            _ => {
-                let (left, right) = halves(c);
-                let half = 0.5 * width;
-                pending[count] = (right, start + half, half, depth + 1);
-                pending[count + 1] = (left, start, half, depth + 1);
-                count += 2;
-            }
-        }
-        if count + 1 >= pending.len() {
-            return None;
+/// The first such part of an interval that was halved `depth` times, left half before right half.
+fn subdivided<const N: usize>(c: [f64; N], (start, width, depth): (f64, f64, u32)) -> Option<Isolated<N>> {
+    match variations(&c) {
+        0 => None,
+        1 => Some(Isolated { c, start, width }),
+        _ if depth == MAX_DEPTH => None,
+        _ => {
+            let ((left, right), half) = (halves(c), 0.5 * width);
+            subdivided(left, (start, half, depth + 1))
+                .or_else(|| subdivided(right, (start + half, half, depth + 1)))
         }
     }
-    None
 }
 
 /// De Casteljau's subdivision at ½.
