@@ -143,7 +143,8 @@ impl Guide {
         loop {
             match self.nodes[node] {
                 GuideNode::Split { axis, at, above } => {
-                    node = if x[axis] < at { node + 1 } else { above as usize }
+                    // Not by a branch: both ways are as likely.
+                    node = [above as usize, node + 1][usize::from(x[axis] < at)];
                 }
                 GuideNode::Leaf(leaf) => {
                     let GuideLeaf { middle, reach, .. } = self.leaves[leaf as usize];

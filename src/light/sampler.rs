@@ -17,10 +17,18 @@ use super::punctual::Punctual;
 use super::receiver::Receiver;
 use super::sample::{EmitterHit, Incoming, LightQuery, LightRayEnd, LightSample, Target};
 use super::sky::{Sky, SkySample};
-use super::spots::{SphereParts, SpherePoints, Spot, SpotQueue, TrianglePoints, ViewedTriangle};
+use super::spots::{
+    SphereParts, SpherePartsBlock, SpherePoints, Spot, SpotBlock, SpotQueue, TrianglePoints, UnitSquare,
+    UnitSquareBlock, ViewedTriangle,
+};
 use crate::geometry::Shape;
+use crate::math::columns::{LANES, Row};
+use crate::math::kernel::map;
 use crate::math::rescale::rescale;
 use crate::spacetime::{AtInfinity, Side};
+
+/// Weight of rays that go around more than once, beside that of the near way.
+const REMOTE: f64 = 0.01;
 
 /// Sampling of lights, with some [`Aim`] or otherwise, compiled for each and chosen once per light sample: renders need
 /// not be generic over it.
@@ -119,7 +127,7 @@ impl<A: Aim> LightSampler for A {
             return 0.0;
         };
         let middle = self.place(side, emitter.middle());
-        let winding_pmf = self.pmf(&x, &middle, winding);
+        let winding_pmf = winding_pmf(self.windings(), self.around(&x, &middle), winding);
         let view = view(self, (emitter, standpoint), &x, &middle, winding);
         finite(
             pmf * winding_pmf * emitter.density(&view, hit.position, hit.normal)
@@ -133,7 +141,10 @@ impl<A: Aim> LightSampler for A {
         let Some((winding, geometry_factor)) = classify(self, &x, direction, &y, there.direction) else {
             return 0.0;
         };
-        finite(pmf * sky.density(there.direction) * self.pmf(&x, &y, winding) / geometry_factor)
+        finite(
+            pmf * sky.density(there.direction) * winding_pmf(self.windings(), self.around(&x, &y), winding)
+                / geometry_factor,
+        )
     }
 
     fn reaches(&self, _: &Lights, target: Target, end: &LightRayEnd) -> bool {
@@ -201,47 +212,97 @@ fn sample_spots_side_by_side<A: Aim>(
 fn sample_side_by_side<A: Aim>(
     aim: &A,
     (lights, queries): (&Lights, &[LightQuery]),
-    Sampling { choosing, spheres, .. }: &mut Sampling,
+    Sampling { choosing, .. }: &mut Sampling,
     samples: &mut Vec<Option<LightSample>>,
 ) {
     let first = samples.len();
-    let mut receivers = Vec::with_capacity(queries.len());
-    let receiver = |LightQuery { receiver, .. }: &LightQuery| (receiver.on.side(), receiver.position);
-    aim.place_all(queries.iter().map(receiver), &mut receivers);
-    // Emitters with the places of their receivers; the numbers of those that are spheres, and spots on the others.
-    let mut targets: Vec<(usize, EmitterTarget)> = Vec::with_capacity(queries.len());
-    let (mut on_spheres, mut spots) = (Vec::new(), Vec::with_capacity(queries.len()));
+    let mut chosen = Vec::with_capacity(queries.len());
     lights.choose_all(queries, choosing, |place, choice| {
-        let (LightQuery { receiver, numbers: [_, v] }, x) = (&queries[place], &receivers[place]);
-        samples.push(choice.and_then(|(choice, u)| {
-            let (emitter, pmf) = match choice {
-                ChosenLight::Surface(emitter, pmf) => (emitter, pmf),
-                ChosenLight::Other(light) => return sample_other(aim, x, light, [u, *v]),
-            };
-            let (aimed, view, v) = aim_at_emitter(aim, (x, receiver), (emitter, pmf), *v)?;
-            if let Some(parts) = emitter.sphere_parts(&view) {
-                spheres.push(parts, [u, v]);
-                on_spheres.push(targets.len());
-            } else {
-                spots.push((targets.len(), emitter.sample(&view, u, v)?));
+        let LightQuery { receiver, numbers: [_, v] } = &queries[place];
+        samples.push(choice.and_then(|(choice, u)| match choice {
+            ChosenLight::Surface(emitter, pmf) => {
+                chosen.push((place, emitter, pmf, u));
+                None
             }
-            targets.push((place, aimed));
-            None
+            ChosenLight::Other(light) => {
+                let x = aim.place(receiver.on.side(), receiver.position);
+                sample_other(aim, &x, light, [u, *v])
+            }
         }));
     });
-    spheres.choose(&SpherePoints, |number, spot| spots.push((on_spheres[number], spot)));
-    let (mut ends, mut links) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
-    aim.place_all(spots.iter().map(|(number, spot)| targets[*number].1.side_and_position(spot)), &mut ends);
-    let pair = |((number, _), y): (&(usize, Spot), A::Place)| {
-        let (place, aimed) = &targets[*number];
-        (receivers[*place], y, aimed.winding)
-    };
-    let pairs: Vec<_> = spots.iter().zip(ends).map(pair).collect();
-    aim.link_all(&pairs, &mut links);
-    for ((number, spot), link) in spots.iter().zip(&links) {
-        let (place, aimed) = &targets[*number];
-        samples[first + place] = link.as_ref().and_then(|link| aimed.light(spot, link));
+    for some in chosen.chunks(LANES) {
+        // Lanes to spare repeat the last.
+        let block: [_; LANES] = std::array::from_fn(|lane| {
+            let (place, emitter, pmf, u) = some[lane.min(some.len() - 1)];
+            (&queries[place], emitter, pmf, u)
+        });
+        for ((place, ..), light) in some.iter().zip(sample_emitters(aim, (&block, some.len()))) {
+            samples[first + place] = light;
+        }
     }
+}
+
+/// Samples of emitters that were chosen with a probability for the receivers in the first `used` lanes of a block, each from
+/// a number in [0, 1) and the second one of its query.
+#[inline(always)]
+fn sample_emitters<A: Aim>(
+    aim: &A,
+    (block, used): (&[(&LightQuery, &Emitter, f64, f64); LANES], usize),
+) -> [Option<LightSample>; LANES] {
+    let x = aim.places(|lane| {
+        let receiver = &block[lane].0.receiver;
+        (receiver.on.side(), receiver.position)
+    });
+    let middles = aim.places(|lane| (block[lane].1.primitive.side(), block[lane].1.middle()));
+    let around = aim.arounds(&x, &middles);
+    let windings: [_; LANES] = std::array::from_fn(|lane| {
+        let (LightQuery { numbers: [_, v], .. }, ..) = block[lane];
+        winding_from(aim.windings(), around[lane], *v)
+    });
+    let winding = |lane: usize| windings[lane].map_or(0, |(winding, ..)| winding);
+    let standpoints = block.map(|(LightQuery { receiver, .. }, emitter, ..)| emitter.standpoint(receiver));
+    let is_outside = |lane: usize| is_seen_from_outside(block[lane].1, standpoints[lane]);
+    let approaches = (0..LANES).any(is_outside).then(|| aim.approaches(&x, &middles, winding));
+    let mut spots = [None; LANES];
+    let (mut spheres, mut numbers) = (SpherePartsBlock::default(), UnitSquareBlock::default());
+    for lane in 0..used {
+        let (_, emitter, _, u) = block[lane];
+        let Some((_, _, v)) = windings[lane] else { continue };
+        let approach = approaches.filter(|_| is_outside(lane)).map(|approaches| approaches[lane]);
+        let view = approach.map_or_else(|| view_of_whole(aim, emitter, &x[lane]), View::Outside);
+        match emitter.sphere_parts(&view) {
+            Some(parts) => {
+                SphereParts::set(&mut spheres, lane, parts);
+                UnitSquare::set(&mut numbers, lane, UnitSquare { u, v });
+            }
+            None => spots[lane] = emitter.sample(&view, u, v),
+        }
+    }
+    let mut on_spheres = SpotBlock::default();
+    map(&SpherePoints, &[spheres], &[numbers], std::slice::from_mut(&mut on_spheres));
+    for lane in 0..used {
+        let is_sphere = windings[lane].is_some() && block[lane].1.sphere().is_some();
+        let spot = Spot::get(&on_spheres, lane);
+        if is_sphere && spot.density > 0.0 {
+            spots[lane] = Some(spot);
+        }
+    }
+    let at = |lane: usize| spots[lane].map_or(block[lane].1.middle(), |spot| spot.position);
+    let ends = aim.places(|lane| (block[lane].1.primitive.side(), at(lane)));
+    let (mut pairs, mut lanes, mut count) = ([(x[0], ends[0], 0); LANES], [0; LANES], 0);
+    for lane in (0..LANES).filter(|&lane| spots[lane].is_some()) {
+        (pairs[count], lanes[count]) = ((x[lane], ends[lane], winding(lane)), lane);
+        count += 1;
+    }
+    let mut lights = [None; LANES];
+    for (link, &lane) in aim.links(&pairs[..count]).iter().zip(&lanes[..count]) {
+        let ((_, emitter, pmf, _), standpoint) = (block[lane], standpoints[lane]);
+        lights[lane] = windings[lane].and_then(|(winding, winding_pmf, _)| {
+            let aimed = EmitterTarget { emitter, standpoint, winding, pmf: pmf * winding_pmf };
+            aimed.light(&spots[lane]?, link.as_ref()?)
+        });
+    }
+    lights
 }
 
 /// An emitter that a ray is aimed at.
@@ -407,17 +468,35 @@ fn sample_sky<A: Aim>(
     Some(LightSample { direction: link.direction, target: Target::Infinity(side), light })
 }
 
-/// A winding number, its probability, and `u` for use again.
-fn choose_winding<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(u32, f64, f64)> {
+/// Probability with which a winding number below `windings` is chosen, given the weight of rays that go around once; the sum
+/// over all is 1.
+#[inline(always)]
+fn winding_pmf(windings: u32, around: f64, winding: u32) -> f64 {
+    let weight = |winding: u32| match winding {
+        0 => 1.0,
+        1 => around,
+        _ => REMOTE,
+    };
+    weight(winding) / (0..windings).map(weight).sum::<f64>()
+}
+
+/// A winding number below `windings`, its probability, and `u` for use again, given the weight of rays that go around once.
+#[inline(always)]
+fn winding_from(windings: u32, around: f64, u: f64) -> Option<(u32, f64, f64)> {
     let mut below = 0.0;
-    for winding in 0..aim.windings() {
-        let pmf = aim.pmf(x, y, winding);
+    for winding in 0..windings {
+        let pmf = winding_pmf(windings, around, winding);
         if u < below + pmf {
             return Some((winding, pmf, rescale(u, below, pmf)));
         }
         below += pmf;
     }
     None
+}
+
+/// A winding number, its probability, and `u` for use again.
+fn choose_winding<A: Aim>(aim: &A, x: &A::Place, y: &A::Place, u: f64) -> Option<(u32, f64, f64)> {
+    winding_from(aim.windings(), aim.around(x, y), u)
 }
 
 /// A ray to a place that is a point, and the probability of its winding number.
@@ -434,10 +513,22 @@ fn view<A: Aim>(
     middle: &A::Place,
     winding: u32,
 ) -> View {
+    match is_seen_from_outside(emitter, standpoint) {
+        true => View::Outside(aim.approach(x, middle, winding)),
+        false => view_of_whole(aim, emitter, x),
+    }
+}
+
+/// True of an emitter that is seen along a ray to its middle.
+#[inline(always)]
+fn is_seen_from_outside(emitter: &Emitter, standpoint: Standpoint) -> bool {
+    matches!(emitter.form, Form::Whole(Shape::Sphere(_))) && standpoint == Standpoint::Apart
+}
+
+/// View of another emitter.
+#[inline(always)]
+fn view_of_whole<A: Aim>(aim: &A, emitter: &Emitter, x: &A::Place) -> View {
     match emitter.form {
-        Form::Whole(Shape::Sphere(_)) if standpoint == Standpoint::Apart => {
-            View::Outside(aim.approach(x, middle, winding))
-        }
         Form::Whole(Shape::Triangle(_)) => aim.straight_from(x).map_or(View::Everywhere, View::Straight),
         Form::Whole(Shape::Sphere(_) | Shape::Disk(_)) | Form::Cap(..) => View::Everywhere,
     }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::map::{Lens, Site};
-use super::track::{StraightLine, Track, oriented, straight};
+use super::track::{Track, oriented};
 use crate::math::{frame, half_turn};
 
 /// A ray from one place, x, to another, y.
@@ -32,8 +32,6 @@ pub struct Connection {
 pub(super) const RADIAL: f64 = 1e-20;
 /// Angle, radians, above which the sine of the swept angle is that of the angle between the places.
 pub(super) const AROUND: f64 = 1.0;
-/// Angle between places, radians, up to which a ray is guessed to be bent weakly.
-const WEAK: f64 = 2.8;
 
 impl Lens {
     /// The ray from `x` to `y` that sweeps g, the angle between them (`winding` 0), 2π − g (1), 2π + g (2), and so on;
@@ -62,49 +60,6 @@ impl Lens {
             swing: [track.rate / (x.q * track.end[0].abs()), track.rate / (y.q * track.start[0].abs())],
             line: track.distance / (x.q * y.q),
         })
-    }
-
-    /// The unit direction in which the ray that [`Self::connect`] finds arrives at `y`, roughly and at once: to first
-    /// order in the bending if the ray does not go around, else as the critical ray.
-    pub fn estimated_arrival(&self, x: &Site, y: &Site, winding: u32) -> DVec3 {
-        let spin = x.radial.cross(y.radial);
-        let sin = spin.length();
-        let angle = half_turn::angle(sin, x.radial.dot(y.radial));
-        let odd = winding % 2 == 1;
-        let axis = if sin > 0.0 { spin / sin } else { x.radial.cross(frame::tangents(x.radial).0) };
-        let along = if odd { -axis } else { axis }.cross(y.radial);
-        let reversed = y.q > x.q;
-        let (near, far) = if reversed { (y, x) } else { (x, y) };
-        let gamma = self.guess(near, far, angle, sin / (1.0 + x.radial.dot(y.radial)));
-        let is_weak = winding == 0 && far.s > 0.0 && near.s > 0.0 && gamma > 0.0 && angle < WEAK;
-        let [cos, sin] = if is_weak {
-            let StraightLine { leaving: [cos, sin], arriving, .. } = straight(near, far, gamma);
-            if reversed { [-cos, sin] } else { arriving }
-        } else {
-            let sin = (self.critical * y.q).min(1.0);
-            [(1.0 - sin * sin).sqrt().copysign(y.s), sin]
-        };
-        (cos * y.radial + sin * along).try_normalize().unwrap_or(y.radial)
-    }
-
-    /// The part of the light from a small source at `y` that goes around the far side, relative to what comes the near
-    /// way, for a lens that bends rays by 2c/b: exact far from the centre and close to alignment, an estimate
-    /// elsewhere.
-    ///
-    /// The images of a point mass \[Schneider, Ehlers, Falco 1992, "Gravitational Lenses", 2.3\].
-    pub fn magnification_ratio(&self, x: &Site, y: &Site) -> f64 {
-        let (spin, along) = (x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
-        let off = half_turn::angle(spin, -along);
-        // b²/f − b off − 2c = 0, whose roots are the impact parameters of the two images.
-        let root = (off * off + 8.0 * self.weak * self.critical * (x.w + y.w)).sqrt();
-        ((root - off) / (root + off)).powi(2)
-    }
-
-    /// The part of the light from a small source at `y` beyond a throat that goes around the far side, relative to what
-    /// comes the near way: an estimate. m − 1 falls as e^−φ, and with it the solid angle that is left.
-    pub fn ratio_beyond_throat(&self, x: &Site, y: &Site) -> f64 {
-        let angle = half_turn::angle(x.radial.cross(y.radial).length(), x.radial.dot(y.radial));
-        libm::exp(2.0 * (angle - PI))
     }
 
     /// Winding number and [`Connection::geometry_factor`] of a ray that leaves `x` in the unit `direction` and arrives at `y`

@@ -34,6 +34,7 @@
 //! with R = φ′(γ) D on one side, D = q_x q_y times the length of the straight line; in flat space this is 1/distance².
 
 mod connection;
+mod estimates;
 mod inwards;
 mod map;
 mod rules;

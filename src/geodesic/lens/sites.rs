@@ -33,19 +33,24 @@ impl<M: ConformallyFlat> Kernel for Sites<'_, M> {
 }
 
 impl Lens {
-    /// [`Self::site`] of many places: calls `each` for every one.
-    pub fn sites<M: ConformallyFlat>(&self, medium: &M, places: &[DVec3], mut each: impl FnMut(usize, Site)) {
-        for (number, places) in places.chunks(LANES).enumerate() {
-            let (mut offsets, mut sites) = (OffsetBlock::default(), <Site as Row>::Block::default());
-            for (lane, &x) in places.iter().enumerate() {
-                Offset::set(&mut offsets, lane, Offset { x });
-            }
-            map(&Sites { lens: self, medium }, &[offsets], NOTHING, std::slice::from_mut(&mut sites));
-            for (lane, &x) in places.iter().enumerate() {
-                let site = Site::get(&sites, lane);
-                let is_good = !self.is_in_tube(&site) && !self.is_near_photon_sphere(&site);
-                each(number * LANES + lane, if is_good { site } else { self.site(medium, x) });
+    /// [`Self::site`] of a block of places.
+    #[inline(always)]
+    pub fn sites<M: ConformallyFlat>(
+        &self,
+        medium: &M,
+        place: impl Fn(usize) -> DVec3,
+    ) -> <Site as Row>::Block {
+        let (mut offsets, mut sites) = (OffsetBlock::default(), <Site as Row>::Block::default());
+        for lane in 0..LANES {
+            Offset::set(&mut offsets, lane, Offset { x: place(lane) });
+        }
+        map(&Sites { lens: self, medium }, &[offsets], NOTHING, std::slice::from_mut(&mut sites));
+        for lane in 0..LANES {
+            let site = Site::get(&sites, lane);
+            if self.is_in_tube(&site) || self.is_near_photon_sphere(&site) {
+                Site::set(&mut sites, lane, self.site(medium, place(lane)));
             }
         }
+        sites
     }
 }

@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3};
 use super::beams::{BeamRay, Beams};
 use super::{Aim, Approach, Link};
 use crate::geodesic::{Lens, LensRay, RayDirections, Site};
+use crate::math::columns::{LANES, Row};
 use crate::spacetime::{AtInfinity, ConformallyFlat, Mouths, Side};
 
 /// Rays around the centre of a spacetime.
@@ -37,8 +38,6 @@ const TOLERANCE: f64 = 1e-5;
 const NEAR: f64 = 0.01;
 /// Least weight, beside that of the near way, of a ray that goes around: it is weak but easily missed otherwise.
 const LEAST_AROUND: f64 = 0.02;
-/// Weight of rays that go around more than once.
-const REMOTE: f64 = 0.01;
 
 impl<M: ConformallyFlat> Lensed<M> {
     /// Rays around `center` with winding numbers up to `max_winding`; `None` if `medium` has no photon sphere.
@@ -76,6 +75,32 @@ impl<M: ConformallyFlat> Lensed<M> {
         }
     }
 
+    /// [`Aim::approach`], given how the ray arrives, roughly, in the chart of the near side.
+    #[inline(always)]
+    fn approach_by(
+        &self,
+        x: &LensedPlace,
+        y: &LensedPlace,
+        winding: u32,
+        estimated_arrival: impl FnOnce() -> DVec3,
+    ) -> Approach {
+        let is_hidden = self.is_hidden(y);
+        let distance = if (winding == 0 && x.side == y.side) || is_hidden {
+            x.position.distance(y.position)
+        } else {
+            self.radius(x) + self.radius(y)
+        };
+        let direction = if x.side != y.side || x.site.is_at_other_depth(&y.site) {
+            // No formula is near enough: rays through a throat go any way.
+            self.link(x, y, winding).map_or(DVec3::ZERO, |link| link.arrival)
+        } else if is_hidden {
+            (y.position - x.position).normalize_or_zero()
+        } else {
+            self.own(y, estimated_arrival())
+        };
+        Approach { distance, direction, is_exact: false }
+    }
+
     /// The link along a ray of the lens between two places.
     fn link_along(&self, x: &LensedPlace, y: &LensedPlace, ray: &LensRay) -> Link {
         let (direction, arrival) = (self.own(x, ray.direction), self.own(y, ray.arrival));
@@ -111,12 +136,13 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         self.place_at((side, x), self.lens.site(&self.medium, from))
     }
 
-    fn place_all(&self, places: impl Iterator<Item = (Side, DVec3)>, found: &mut Vec<LensedPlace>) {
-        let places: Vec<_> = places.collect();
-        let offsets: Vec<_> = places.iter().map(|&(side, x)| x - self.mouths.center(side)).collect();
-        self.lens.sites(&self.medium, &offsets, |number, site| {
-            found.push(self.place_at(places[number], site));
+    #[inline(always)]
+    fn places(&self, at: impl Fn(usize) -> (Side, DVec3)) -> [LensedPlace; LANES] {
+        let sites = self.lens.sites(&self.medium, |lane| {
+            let (side, x) = at(lane);
+            x - self.mouths.center(side)
         });
+        std::array::from_fn(|lane| self.place_at(at(lane), Site::get(&sites, lane)))
     }
 
     fn infinity(&self, AtInfinity { side, direction }: AtInfinity) -> LensedPlace {
@@ -128,37 +154,36 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         self.windings
     }
 
-    fn pmf(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> f64 {
-        let around = if x.side == y.side {
+    fn around(&self, x: &LensedPlace, y: &LensedPlace) -> f64 {
+        let ratio = if x.side == y.side {
             self.lens.magnification_ratio(&x.site, &y.site)
         } else {
             self.lens.ratio_beyond_throat(&x.site, &y.site)
         };
-        let around = around.max(LEAST_AROUND);
-        let weight = |winding: u32| match winding {
-            0 => 1.0,
-            1 => around,
-            _ => REMOTE,
-        };
-        weight(winding) / (0..self.windings).map(weight).sum::<f64>()
+        ratio.max(LEAST_AROUND)
+    }
+
+    fn arounds(&self, x: &[LensedPlace; LANES], y: &[LensedPlace; LANES]) -> [f64; LANES] {
+        let ratios = self.lens.magnification_ratios(|lane| (x[lane].site, y[lane].site));
+        std::array::from_fn(|lane| match x[lane].side == y[lane].side {
+            true => ratios[lane].max(LEAST_AROUND),
+            false => self.around(&x[lane], &y[lane]),
+        })
     }
 
     fn approach(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> Approach {
-        let is_hidden = self.is_hidden(y);
-        let distance = if (winding == 0 && x.side == y.side) || is_hidden {
-            x.position.distance(y.position)
-        } else {
-            self.radius(x) + self.radius(y)
-        };
-        let direction = if x.side != y.side || x.site.is_at_other_depth(&y.site) {
-            // No formula is near enough: rays through a throat go any way.
-            self.link(x, y, winding).map_or(DVec3::ZERO, |link| link.arrival)
-        } else if is_hidden {
-            (y.position - x.position).normalize_or_zero()
-        } else {
-            self.own(y, self.lens.estimated_arrival(&x.site, &y.site, winding))
-        };
-        Approach { distance, direction, is_exact: false }
+        self.approach_by(x, y, winding, || self.lens.estimated_arrival(&x.site, &y.site, winding))
+    }
+
+    #[inline(always)]
+    fn approaches(
+        &self,
+        x: &[LensedPlace; LANES],
+        y: &[LensedPlace; LANES],
+        winding: impl Fn(usize) -> u32,
+    ) -> [Approach; LANES] {
+        let arrivals = self.lens.estimated_arrivals(|lane| (x[lane].site, y[lane].site), &winding);
+        std::array::from_fn(|lane| self.approach_by(&x[lane], &y[lane], winding(lane), || arrivals[lane]))
     }
 
     fn link(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> Option<Link> {
@@ -170,19 +195,18 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         link
     }
 
-    fn link_all(&self, pairs: &[(LensedPlace, LensedPlace, u32)], links: &mut Vec<Option<Link>>) {
-        let first = links.len();
-        links.resize(first + pairs.len(), None);
-        let visible: Vec<usize> = (0..pairs.len()).filter(|&at| !self.is_hidden(&pairs[at].1)).collect();
-        let sites = |&at: &usize| {
-            let (x, y, winding) = &pairs[at];
-            (x.site, y.site, *winding)
-        };
-        let sites: Vec<_> = visible.iter().map(sites).collect();
-        self.lens.join_all(&sites, |number, ray| {
-            let (x, y, _) = &pairs[visible[number]];
-            links[first + visible[number]] = ray.map(|ray| self.link_along(x, y, &ray));
+    fn links(&self, pairs: &[(LensedPlace, LensedPlace, u32)]) -> [Option<Link>; LANES] {
+        let (mut links, mut lanes, mut sites) = ([None; LANES], [0; LANES], [Default::default(); LANES]);
+        let mut visible = 0;
+        for (lane, (x, y, winding)) in pairs.iter().enumerate().filter(|(_, (_, y, _))| !self.is_hidden(y)) {
+            (lanes[visible], sites[visible]) = (lane, (x.site, y.site, *winding));
+            visible += 1;
+        }
+        self.lens.join_all(&sites[..visible], |number, ray| {
+            let (x, y, _) = &pairs[lanes[number]];
+            links[lanes[number]] = ray.map(|ray| self.link_along(x, y, &ray));
         });
+        links
     }
 
     fn classify(
@@ -226,10 +250,12 @@ impl<M: ConformallyFlat> Beams for Lensed<M> {
     }
 
     fn all_widths(&self, rays: &[BeamRay], each: &mut dyn FnMut(usize, Option<[f64; 2]>)) {
-        let mut places = Vec::with_capacity(2 * rays.len());
-        self.place_all(rays.iter().flat_map(|ray| [ray.from, ray.to]), &mut places);
-        let ends = places.as_chunks().0.iter().zip(rays);
-        let beams: Vec<_> = ends.map(|([x, y], ray)| self.beam(ray, [x, y])).collect();
-        self.lens.all_beam_widths(&beams, each);
+        for (number, rays) in rays.chunks(LANES).enumerate() {
+            let of = |lane: usize| &rays[lane.min(rays.len() - 1)];
+            let (from, to) = (self.places(|lane| of(lane).from), self.places(|lane| of(lane).to));
+            let beams: [_; LANES] = std::array::from_fn(|lane| self.beam(of(lane), [&from[lane], &to[lane]]));
+            let first = number * LANES;
+            self.lens.all_beam_widths(&beams[..rays.len()], |lane, widths| each(first + lane, widths));
+        }
     }
 }

@@ -13,6 +13,7 @@ pub mod straight;
 
 use glam::DVec3;
 
+use crate::math::columns::LANES;
 use crate::spacetime::{AtInfinity, Side};
 
 /// A ray that joins two places.
@@ -42,15 +43,19 @@ pub struct Approach {
 pub trait Aim: Send + Sync {
     /// A place in the world or at infinity, with what is computed once for all rays to and from it.
     type Place: Copy;
-    /// True if many places and rays are found faster side by side, by [`Self::place_all`] and [`Self::link_all`].
+    /// True if places and rays are found faster side by side, a block of lanes at a time.
     const SIDE_BY_SIDE: bool;
 
     /// A place in the world of a side.
     fn place(&self, side: Side, x: DVec3) -> Self::Place;
 
-    /// [`Self::place`] of many, in order.
-    fn place_all(&self, places: impl Iterator<Item = (Side, DVec3)>, found: &mut Vec<Self::Place>) {
-        found.extend(places.map(|(side, x)| self.place(side, x)));
+    /// [`Self::place`] of a block.
+    #[inline(always)]
+    fn places(&self, at: impl Fn(usize) -> (Side, DVec3)) -> [Self::Place; LANES] {
+        std::array::from_fn(|lane| {
+            let (side, x) = at(lane);
+            self.place(side, x)
+        })
     }
 
     /// A place at infinity.
@@ -59,8 +64,13 @@ pub trait Aim: Send + Sync {
     /// Count of winding numbers that are sampled: from 0 on.
     fn windings(&self) -> u32;
 
-    /// Probability with which to choose this winding number; the sum over all is 1.
-    fn pmf(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> f64;
+    /// Weight of a ray that goes around, beside that of the near way.
+    fn around(&self, x: &Self::Place, y: &Self::Place) -> f64;
+
+    /// [`Self::around`] of a block.
+    fn arounds(&self, x: &[Self::Place; LANES], y: &[Self::Place; LANES]) -> [f64; LANES] {
+        std::array::from_fn(|lane| self.around(&x[lane], &y[lane]))
+    }
 
     /// Position of an onlooker to whom all rays are straight; `None` where they are not.
     fn straight_from(&self, _x: &Self::Place) -> Option<DVec3> {
@@ -70,12 +80,26 @@ pub trait Aim: Send + Sync {
     /// Estimate of the ray with this winding number.
     fn approach(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Approach;
 
+    /// [`Self::approach`] of a block.
+    #[inline(always)]
+    fn approaches(
+        &self,
+        x: &[Self::Place; LANES],
+        y: &[Self::Place; LANES],
+        winding: impl Fn(usize) -> u32,
+    ) -> [Approach; LANES] {
+        std::array::from_fn(|lane| self.approach(&x[lane], &y[lane], winding(lane)))
+    }
+
     /// The ray with this winding number; `None` if there is none.
     fn link(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Option<Link>;
 
-    /// [`Self::link`] of many pairs of places with their winding numbers, in order.
-    fn link_all(&self, pairs: &[(Self::Place, Self::Place, u32)], links: &mut Vec<Option<Link>>) {
-        links.extend(pairs.iter().map(|(x, y, winding)| self.link(x, y, *winding)));
+    /// [`Self::link`] of the pairs of places with winding numbers that fill a block at most.
+    fn links(&self, pairs: &[(Self::Place, Self::Place, u32)]) -> [Option<Link>; LANES] {
+        std::array::from_fn(|lane| {
+            let (x, y, winding) = pairs.get(lane)?;
+            self.link(x, y, *winding)
+        })
     }
 
     /// Winding number and geometry factor of a ray that leaves `x` in `direction` and arrives at `y` travelling along

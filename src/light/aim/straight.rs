@@ -33,8 +33,8 @@ impl Aim for StraightAim {
         1
     }
 
-    fn pmf(&self, _: &StraightPlace, _: &StraightPlace, _: u32) -> f64 {
-        1.0
+    fn around(&self, _: &StraightPlace, _: &StraightPlace) -> f64 {
+        0.0
     }
 
     fn straight_from(&self, x: &StraightPlace) -> Option<DVec3> {
