@@ -9,8 +9,8 @@
 use glam::Vec3;
 
 use super::Chord;
-use super::triangle::{Triangle, TriangleBlock};
-use crate::math::columns::{LANES, Row};
+use super::triangle::TriangleBlock;
+use crate::math::columns::LANES;
 use crate::math::simd8::Simd8;
 
 /// A chord to be screened.
@@ -47,38 +47,36 @@ impl Cull {
 
     /// Lanes whose triangles the segment may cross before a part of its chord that is at least `until`, a bit each.
     #[inline(always)]
-    pub fn may_cross(&self, triangles: &TriangleBlock, until: f32) -> u32 {
+    pub fn may_cross<V: Simd8>(&self, simd: V, triangles: &TriangleBlock, until: f32) -> u32 {
         let Cull { start, along, bow, sweep, reach, room } = *self;
-        let mut may = [0u8; LANES];
-        for (lane, may) in may.iter_mut().enumerate() {
-            let Triangle { a, b, c } = Triangle::get(triangles, lane);
-            let (e1, e2, from) = (b - a, c - a, start - a);
-            let (p, q) = (along.cross(e2), from.cross(e1));
-            let (whole, u, v) = (e1.dot(p), from.dot(p), along.dot(q));
-            let w = whole - u - v;
-            let (first, last) = (e2.dot(q), e2.dot(q) - until * whole);
-            // How much the whole bow adds to them.
-            let (more_u, more_v) = (sweep.dot(e2), -sweep.dot(e1));
-            let more_height = e2.dot(bow.cross(e1));
-            let more_w = -(more_u + more_v);
-            // `from` is a difference of places that are rounded themselves.
-            let edge = max(largest(e1), largest(e2));
-            let room = edge * (room + ROUNDING * largest(from));
-            // Not a number, where there is no triangle.
-            let is_there = a.x.is_finite();
-            let is_huge = max(largest(from), max(edge, reach)) > LARGEST;
-            let inside = room * reach;
-            let most = min(min(u + max(more_u, 0.0), v + max(more_v, 0.0)), w + max(more_w, 0.0));
-            let least = max(max(u + min(more_u, 0.0), v + min(more_v, 0.0)), w + min(more_w, 0.0));
-            let beside = room * edge;
-            let lowest = min(first, last) + min(more_height, 0.0);
-            let highest = max(first, last) + max(more_height, 0.0);
-            let is_inside = (most >= -inside) | (least <= inside);
-            let is_met = is_inside & (lowest <= beside) & (highest >= -beside);
-            *may = u8::from(is_there & (is_met | is_huge));
-        }
-        // The product brings the lowest bit of each byte to the highest byte.
-        (u64::from_le_bytes(may).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32
+        let splat = |v: Vec3| [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)];
+        let [a, b, c] = triangles.corners(simd);
+        let (e1, e2, from) = (simd.minus(b, a), simd.minus(c, a), simd.minus(splat(start), a));
+        let (p, q) = (simd.cross(splat(along), e2), simd.cross(from, e1));
+        let (whole, u, v) = (simd.dot(e1, p), simd.dot(from, p), simd.dot(splat(along), q));
+        let w = simd.sub(whole, simd.add(u, v));
+        let first = simd.dot(e2, q);
+        let last = simd.sub(first, simd.mul(simd.splat(until), whole));
+        // How much the whole bow adds to them.
+        let (more_u, less_v) = (simd.dot(splat(sweep), e2), simd.dot(splat(sweep), e1));
+        let more_height = simd.dot(e2, simd.cross(splat(bow), e1));
+        let zero = simd.splat(0.0);
+        let (more_v, more_w) = (simd.sub(zero, less_v), simd.sub(less_v, more_u));
+        let (edge, far) = (simd.max(simd.largest(e1), simd.largest(e2)), simd.largest(from));
+        // `from` is a difference of places that are rounded themselves.
+        let rounding = simd.mul(simd.mul_add(simd.splat(ROUNDING), far, simd.splat(room)), edge);
+        let (inside, beside) = (simd.mul(rounding, simd.splat(reach)), simd.mul(rounding, edge));
+        let at_most = |volume, more| simd.add(volume, simd.max(more, zero));
+        let at_least = |volume, more| simd.add(volume, simd.min(more, zero));
+        let most = simd.min(simd.min(at_most(u, more_u), at_most(v, more_v)), at_most(w, more_w));
+        let least = simd.max(simd.max(at_least(u, more_u), at_least(v, more_v)), at_least(w, more_w));
+        let lowest = at_least(simd.min(first, last), more_height);
+        let highest = at_most(simd.max(first, last), more_height);
+        let is_not_above = |a, room| simd.le(simd.sub(a, room), simd.splat(SMALLEST));
+        let is_not_below = |a, room| simd.le(simd.splat(-SMALLEST), simd.add(a, room));
+        let is_inside = is_not_below(most, inside) | is_not_above(least, inside);
+        let huge = simd.le(simd.splat(if reach > LARGEST { 0.0 } else { LARGEST }), simd.max(far, edge));
+        (is_inside & is_not_above(lowest, beside) & is_not_below(highest, beside)) | huge
     }
 
     /// Triangles that the segment, a line, may cross before a part of it that is at least `until`.
@@ -159,9 +157,10 @@ pub(super) fn min(a: f32, b: f32) -> f32 {
 mod tests {
     use glam::DVec3;
 
-    use super::super::{Line, Segment, triangle};
+    use super::super::{Line, Segment, Triangle, triangle};
     use super::*;
     use crate::geodesic::Arc;
+    use crate::math::columns::Row;
     use crate::math::simd8::{LaneByLane, Simd8Work, with_simd8};
 
     fn random() -> impl FnMut() -> f64 {
@@ -238,7 +237,7 @@ mod tests {
                     let across = bend * (p1 - p0).reject_from(p2 - p0);
                     Arc { p0, p1: p0.lerp(p2, 0.3) + across, p2, w: 0.9 }
                 },
-                |arc, block| Cull::new(&arc.chord()).may_cross(block, 1.0),
+                |arc, block| with_simd8(ArcScreening(arc, block)),
                 |arc, triangle| triangle::cross_arc(arc, triangle, false),
             );
             let is_usual = (1e-6..1e7).contains(&scale);
@@ -259,6 +258,17 @@ mod tests {
         fn run<V: Simd8>(self, simd: V) -> MayCross {
             let Self(line, block, until) = self;
             Cull::new(&line.chord()).may_cross_line(simd, block, until)
+        }
+    }
+
+    /// Screens a block for an arc.
+    struct ArcScreening<'a>(&'a Arc, &'a TriangleBlock);
+
+    impl Simd8Work for ArcScreening<'_> {
+        type Output = u32;
+
+        fn run<V: Simd8>(self, simd: V) -> u32 {
+            Cull::new(&self.0.chord()).may_cross(simd, self.1, 1.0)
         }
     }
 

@@ -414,7 +414,7 @@ impl Along {
         until: f32,
     ) -> u32 {
         if S::BENDS {
-            self.cull.may_cross(triangles, until)
+            self.cull.may_cross(simd, triangles, until)
         } else {
             self.cull.may_cross_line(simd, triangles, until).may
         }
