@@ -26,10 +26,12 @@ use crate::shade::Footprint;
 
 /// Fewest meetings that tell which part of a lamp is visible: so many places on a disk reach to 0.9 of its radius.
 const FEWEST: usize = 6;
-/// Share of them that counts: a few may see a lamp from behind the wall it sticks in.
-const MOST: f64 = 0.95;
-/// Room around the part that is met, relative to its angle.
-const MARGIN: f64 = 0.15;
+/// Probability with which chance finds a lamp, about: some see a lamp from behind the wall it sticks in, and need not be held.
+const CHANCE: f64 = 0.03;
+/// Rounds in which the middle of a cap is found.
+const ROUNDS: usize = 3;
+/// Room around the part that is met, relative to its angle, times the root of the number of meetings.
+const MARGIN: f64 = 0.4;
 /// Angle of a cap, radians, from which on the whole lamp may as well be sampled.
 const WIDEST: f64 = 1.0;
 
@@ -96,21 +98,66 @@ fn cap(normals: &[DVec3]) -> Option<Cap> {
     if normals.len() < FEWEST {
         return None;
     }
-    let middle = |normals: &[DVec3]| normals.iter().sum::<DVec3>().try_normalize();
-    // Accurate for the smallest of caps, as acos is not.
-    let angle = |axis: DVec3, normal: DVec3| libm::atan2(axis.cross(normal).length(), axis.dot(normal));
-    let first = middle(normals)?;
-    let mut inner = normals.to_vec();
-    inner.sort_by(|a, b| angle(first, *a).total_cmp(&angle(first, *b)));
-    inner.truncate((MOST * normals.len() as f64).ceil() as usize);
-    let axis = middle(&inner)?;
-    let widest = inner.iter().map(|normal| angle(axis, *normal)).fold(0.0, f64::max) * (1.0 + MARGIN);
-    (widest < WIDEST).then(|| Cap::new(axis, widest))
+    let (mut axis, mut widest) = (middle(normals)?, 0.0);
+    for _ in 0..ROUNDS {
+        let mut by_angle: Vec<(f64, DVec3)> =
+            normals.iter().map(|normal| (angle(axis, *normal), *normal)).collect();
+        by_angle.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let inner = &by_angle[..worth(&by_angle)];
+        widest = inner.last()?.0;
+        axis = middle(&inner.iter().map(|(_, normal)| *normal).collect::<Vec<_>>())?;
+    }
+    let widest = widest * (1.0 + MARGIN / (normals.len() as f64).sqrt());
+    (0.0 < widest && widest < WIDEST).then(|| Cap::new(axis, widest))
+}
+
+/// How many of the places that are met, in order of their angles from the middle of a cap, it had better hold: what it holds
+/// in vain, relative to a disk on which half of them lie within the angle of the median, costs as much noise as what is
+/// left to chance.
+fn worth(by_angle: &[(f64, DVec3)]) -> usize {
+    let count = by_angle.len();
+    let median = by_angle[count / 2].0.max(f64::MIN_POSITIVE);
+    let noise = |held: usize| {
+        let angle = by_angle[held - 1].0 / median;
+        0.5 * angle * angle + (count - held) as f64 / (count as f64 * CHANCE)
+    };
+    (count / 2 + 1..=count).min_by(|a, b| noise(*a).total_cmp(&noise(*b))).unwrap_or(count)
+}
+
+/// Mean direction.
+fn middle(normals: &[DVec3]) -> Option<DVec3> {
+    normals.iter().sum::<DVec3>().try_normalize()
+}
+
+/// Angle between unit vectors: accurate for the smallest of caps, as acos is not.
+fn angle(axis: DVec3, normal: DVec3) -> f64 {
+    libm::atan2(axis.cross(normal).length(), axis.dot(normal))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_seen_from_behind_its_wall_does_not_widen_a_cap() {
+        // Places evenly over a disk, in a spiral, and one of ten on a ring around it.
+        let place = |radius: f64, turn: f64| {
+            let (sin, cos) = libm::sincos(turn);
+            DVec3::new(radius * cos, 1.0, radius * sin).normalize()
+        };
+        for count in [20, 60, 400] {
+            let disk = (0..count).map(|i| {
+                let i = f64::from(i);
+                place(0.03 * ((i + 0.5) / f64::from(count)).sqrt(), 2.4 * i)
+            });
+            let ring = (0..count / 10).map(|i| place(0.1, f64::from(i)));
+            let cap = cap(&disk.chain(ring).collect::<Vec<_>>()).unwrap();
+            for turn in 0..8 {
+                assert!(cap.holds(place(0.026, f64::from(turn))), "{count}");
+                assert!(!cap.holds(place(0.036, f64::from(turn))), "{count}");
+            }
+        }
+    }
 
     #[test]
     fn a_cap_holds_most_of_what_was_met_and_little_more() {

@@ -1,6 +1,7 @@
 //! Alpha: what a picture leaves to be seen of what a compositor puts behind it.
 
 use crate::support::{render, scene};
+use glam::Vec3;
 use warpfront::scene::{Background, Baked, Schedule};
 use warpfront::shade::Environment;
 use warpfront::trace::{Rendered, Run};
@@ -75,6 +76,31 @@ fn a_transparent_picture_over_its_environment_is_the_opaque_one() {
             {
                 assert!((over - (color + 1.0 - alpha)).abs() < 1e-5 * (1.0 + over), "{over} {color} {alpha}");
             }
+        }
+    }
+}
+
+/// Rays are followed to infinity only if their directions there matter.
+#[test]
+fn an_even_sky_looks_the_same_whether_directions_at_infinity_are_known_or_not() {
+    let hole = "kind = \"schwarzschild\"\nschwarzschild_radius = 1";
+    let two = "kind = \"several-holes\"\n[[spacetime.hole]]\ncenter = [1, 0, 0]\nmass = 0.3\n\
+               [[spacetime.hole]]\ncenter = [-1, 0, 0]\nmass = 0.3";
+    let kerr = "kind = \"kerr\"\nschwarzschild_radius = 1\nspin = 0.9";
+    for spacetime in [hole, kerr, "kind = \"ellis-wormhole\"\nthroat_radius = 1", two] {
+        let text = SCENE.replace(hole, spacetime);
+        for schedule in [Schedule::Wavefront, Schedule::PerPixel] {
+            let reds = |environment: Environment| {
+                let mut scene = scene(&text);
+                (scene.environment, scene.settings.schedule) = (environment, schedule);
+                plane(&render(&scene, &Run::default()), "R").to_vec()
+            };
+            let white = Vec3::ONE;
+            let even = reds(Environment::Constant(white));
+            let known = reds(Environment::Gradient { ground: white, horizon: white, zenith: white });
+            let far = even.iter().zip(&known).filter(|(a, b)| (*a - *b).abs() > 1e-5 * *b);
+            assert_eq!(far.count(), 0, "{spacetime}");
+            assert!(even.contains(&1.0), "{spacetime}");
         }
     }
 }

@@ -49,6 +49,22 @@ fn assert_schedules_agree(path: &Path, overrides: &[&str]) {
     assert_same_bits(&with("render.schedule=wavefront"), &with("render.schedule=per-pixel"), &what);
 }
 
+/// Rays land exactly only for planes that tell where.
+#[test]
+fn surfaces_that_only_emit_look_the_same_whatever_planes_are_asked_for() {
+    let path = scene_path("accretion_disk.toml");
+    let all = image(&path, &[], &run());
+    let colours = |image: &Image| -> Vec<Vec<u32>> {
+        let channel = |name| image.channel(name).expect("a colour").iter().map(|value| value.to_bits());
+        ["R", "G", "B"].map(|name| channel(name).collect()).into()
+    };
+    assert!(colours(&all)[0].iter().any(|&bits| f32::from_bits(bits) > 0.5), "the disk is seen");
+    for schedule in ["render.schedule=wavefront", "render.schedule=per-pixel"] {
+        let alone = image(&path, &[schedule], &Run::default());
+        assert!(colours(&alone) == colours(&all), "{schedule}");
+    }
+}
+
 /// What one plane needs may be recorded for another.
 #[test]
 fn a_plane_alone_is_the_same_as_beside_all_others() {
