@@ -2,11 +2,9 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::facets::Foremost;
 use super::line::LineBlock;
 use super::primitives::{Disk, Sphere};
-use super::query::QueryBlock;
-use super::small_scene::{Crossings, Culled, cross_triangles, foremost};
+use super::small_scene::{Crossings, Culled};
 use super::triangle::Triangle;
 use super::{Chord, Geometry, Line, Segment, SideBySide};
 use crate::math::columns::{LANES, Row};
@@ -127,18 +125,8 @@ impl SideBySide for Skim {
     }
 
     #[inline(always)]
-    fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
-        foremost(geometry, queries, found);
-    }
-
-    #[inline(always)]
-    fn cross_triangles(
-        geometry: &Geometry,
-        skims: (&LineBlock, &[u64; LANES]),
-        foremost: Option<&Foremost>,
-        first: &mut Crossings,
-    ) {
-        cross_triangles(geometry, skims, foremost, first);
+    fn lines(skims: &LineBlock) -> Option<&LineBlock> {
+        Some(skims)
     }
 }
 

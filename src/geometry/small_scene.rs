@@ -128,17 +128,11 @@ pub trait SideBySide: Segment + Row {
         screened: &mut Culled,
     );
 
-    /// Looks which triangles blocks of queries may meet first, if that helps.
-    fn foremost(_: &Geometry, _: &[QueryBlock<Self::Block>], _: &mut Vec<Foremost>) {}
-
-    /// Takes crossings of triangles into account. With the segments come the slots that they start on, and those of the
-    /// triangles that they may meet first, if they were looked for.
-    fn cross_triangles(
-        geometry: &Geometry,
-        segments: (&Self::Block, &[u64; LANES]),
-        foremost: Option<&Foremost>,
-        first: &mut Crossings,
-    );
+    /// The segments as lines, if they are: these are screened side by side for the triangle that they meet first.
+    #[inline(always)]
+    fn lines(_: &Self::Block) -> Option<&LineBlock> {
+        None
+    }
 }
 
 impl SideBySide for Line {
@@ -167,41 +161,31 @@ impl SideBySide for Line {
     }
 
     #[inline(always)]
-    fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
-        foremost(geometry, queries, found);
-    }
-
-    #[inline(always)]
-    fn cross_triangles(
-        geometry: &Geometry,
-        lines: (&LineBlock, &[u64; LANES]),
-        foremost: Option<&Foremost>,
-        first: &mut Crossings,
-    ) {
-        cross_triangles(geometry, lines, foremost, first);
+    fn lines(lines: &LineBlock) -> Option<&LineBlock> {
+        Some(lines)
     }
 }
 
-/// Looks which triangles lines may meet first.
+/// Looks which triangles segments may meet first that are lines.
 #[inline(always)]
-pub(super) fn foremost(geometry: &Geometry, queries: &[QueryBlock<LineBlock>], found: &mut Vec<Foremost>) {
+fn foremost<S: SideBySide>(geometry: &Geometry, queries: &[QueryBlock<S::Block>], found: &mut Vec<Foremost>) {
     let line = |block: usize, lane: usize| {
         let queries = &queries[block];
-        let line = Line::get(&queries.segment, lane).shifted(queries.shift(geometry, lane));
-        (line, own_slot(queries.origin_prim[lane]) as u32)
+        let line = S::lines(&queries.segment).map_or(Line::default(), |lines| Line::get(lines, lane));
+        (line.shifted(queries.shift(geometry, lane)), own_slot(queries.origin_prim[lane]) as u32)
     };
     geometry.facets.all_foremost(queries.len(), line, found);
 }
 
-/// Takes crossings of triangles by lines into account.
+/// Takes crossings of the triangles that lines may meet first into account. With the lines come the slots that they start
+/// on.
 #[inline(always)]
-pub(super) fn cross_triangles(
+fn cross_foremost(
     geometry: &Geometry,
     (lines, own): (&LineBlock, &[u64; LANES]),
-    foremost: Option<&Foremost>,
+    Foremost { slot, next }: &Foremost,
     first: &mut Crossings,
 ) {
-    let Some(Foremost { slot, next }) = foremost else { return };
     let mut triangles = <Triangle as Row>::Block::default();
     for (lane, &slot) in slot.iter().enumerate() {
         let is_any = slot != Foremost::NONE;
@@ -257,22 +241,22 @@ impl SideBySide for Arc {
         };
         screened.push(slot, along, may);
     }
+}
 
-    #[inline(always)]
-    fn cross_triangles(
-        geometry: &Geometry,
-        (arcs, own): (&<Arc as Row>::Block, &[u64; LANES]),
-        _: Option<&Foremost>,
-        first: &mut Crossings,
-    ) {
-        for slot in geometry.facets.slots() {
-            let triangle = geometry.triangle(slot);
-            let mut s = [f64::INFINITY; LANES];
-            for lane in 0..LANES {
-                s[lane] = Arc::get(arcs, lane).cross_triangle(&triangle, own[lane] == u64::from(slot));
-            }
-            first.consider_all(geometry, slot, &s);
+/// Takes crossings of all triangles into account. With the segments come the slots that they start on.
+#[inline(always)]
+fn cross_triangles<S: SideBySide>(
+    geometry: &Geometry,
+    (segments, own): (&S::Block, &[u64; LANES]),
+    first: &mut Crossings,
+) {
+    for slot in geometry.facets.slots() {
+        let triangle = geometry.triangle(slot);
+        let mut s = [f64::INFINITY; LANES];
+        for lane in 0..LANES {
+            s[lane] = S::get(segments, lane).cross_triangle(&triangle, own[lane] == u64::from(slot));
         }
+        first.consider_all(geometry, slot, &s);
     }
 }
 
@@ -333,8 +317,8 @@ impl<S: SideBySide> pulp::NullaryFnOnce for Searching<'_, S> {
         let SmallScene { foremost, best, pending, screened } = few;
         best.clear();
         pending.clear();
-        if !geometry.facets.is_empty() {
-            S::foremost(geometry, queries, foremost);
+        if !S::BENDS && !geometry.facets.is_empty() {
+            self::foremost::<S>(geometry, queries, foremost);
         }
         for (number, queries) in queries.iter().enumerate() {
             screened.clear();
@@ -413,8 +397,10 @@ fn first_crossings<S: SideBySide>(
             Item::Triangle(_) | Item::Instance(_) => {}
         }
     }
-    if !geometry.facets.is_empty() {
-        S::cross_triangles(geometry, (&segments, &own), foremost, &mut best);
+    match (S::lines(&segments), foremost) {
+        _ if geometry.facets.is_empty() => {}
+        (Some(lines), Some(foremost)) => cross_foremost(geometry, (lines, &own), foremost, &mut best),
+        _ => cross_triangles::<S>(geometry, (&segments, &own), &mut best),
     }
     best
 }

@@ -97,7 +97,6 @@ impl<A: Aim> LightSampler for A {
         sampling: &mut Sampling,
         samples: &mut Vec<Option<LightSample>>,
     ) {
-        sampling.spheres.reserve(queries.len());
         if A::SIDE_BY_SIDE {
             sample_side_by_side(self, (lights, queries), sampling, samples);
         } else {
@@ -166,6 +165,7 @@ fn sample_spots_side_by_side<A: Aim>(
     samples: &mut Vec<Option<LightSample>>,
 ) {
     triangles.reserve(queries.len());
+    spheres.reserve(queries.len());
     let first = samples.len();
     let place_of = |receiver: &Receiver| aim.place(receiver.on.side(), receiver.position);
     // Triangles along straight lines, of which there is one each.
@@ -259,17 +259,17 @@ fn sample_emitters<A: Aim>(
         let (LightQuery { numbers: [_, v], .. }, ..) = block[lane];
         winding_from(aim.windings(), around[lane], *v)
     });
-    let winding = |lane: usize| windings[lane].map_or(0, |(winding, ..)| winding);
     let standpoints = block.map(|(LightQuery { receiver, .. }, emitter, ..)| emitter.standpoint(receiver));
-    let is_outside = |lane: usize| is_seen_from_outside(block[lane].1, standpoints[lane]);
-    let approaches = (0..LANES).any(is_outside).then(|| aim.approaches(&x, &middles, winding));
+    let approaches = aim.approaches(&x, &middles, |lane| {
+        let is_asked = lane < used && is_seen_from_outside(block[lane].1, standpoints[lane]);
+        windings[lane].filter(|_| is_asked).map(|(winding, ..)| winding)
+    });
     let mut spots = [None; LANES];
     let (mut spheres, mut numbers) = (SpherePartsBlock::default(), UnitSquareBlock::default());
     for lane in 0..used {
         let (_, emitter, _, u) = block[lane];
         let Some((_, _, v)) = windings[lane] else { continue };
-        let approach = approaches.filter(|_| is_outside(lane)).map(|approaches| approaches[lane]);
-        let view = approach.map_or_else(|| view_of_whole(aim, emitter, &x[lane]), View::Outside);
+        let view = approaches[lane].map_or_else(|| view_of_whole(aim, emitter, &x[lane]), View::Outside);
         match emitter.sphere_parts(&view) {
             Some(parts) => {
                 SphereParts::set(&mut spheres, lane, parts);
@@ -290,9 +290,11 @@ fn sample_emitters<A: Aim>(
     let at = |lane: usize| spots[lane].map_or(block[lane].1.middle(), |spot| spot.position);
     let ends = aim.places(|lane| (block[lane].1.primitive.side(), at(lane)));
     let (mut pairs, mut lanes, mut count) = ([(x[0], ends[0], 0); LANES], [0; LANES], 0);
-    for lane in (0..LANES).filter(|&lane| spots[lane].is_some()) {
-        (pairs[count], lanes[count]) = ((x[lane], ends[lane], winding(lane)), lane);
-        count += 1;
+    for lane in 0..used {
+        if let (Some((winding, ..)), Some(_)) = (windings[lane], spots[lane]) {
+            (pairs[count], lanes[count]) = ((x[lane], ends[lane], winding), lane);
+            count += 1;
+        }
     }
     let mut lights = [None; LANES];
     for (link, &lane) in aim.links(&pairs[..count]).iter().zip(&lanes[..count]) {

@@ -7,6 +7,7 @@ use super::illumination::Illumination;
 use super::lamp_halos::LampHalos;
 use super::ray_cone::RayCones;
 use super::surroundings::media_around;
+use crate::film::Needs;
 use crate::scene::{Baked, SamplerKind, Settings};
 use crate::shade::{Media, Sampler};
 
@@ -66,5 +67,11 @@ impl<'a> Job<'a> {
             illumination: None,
             halt,
         }
+    }
+
+    /// True if it matters where exactly rays land that are no light rays: to a surface, or to what `needs` tell.
+    #[inline(always)]
+    pub fn lands_exactly(&self, needs: Needs) -> bool {
+        self.has_details || needs.camera_ray
     }
 }

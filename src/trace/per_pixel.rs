@@ -119,7 +119,7 @@ fn trace_path<T: Transport>(
             counters.rays += 1;
             continue;
         }
-        let exactly = (job.has_details || samples.needs().camera_ray).then_some(geometry);
+        let exactly = job.lands_exactly(samples.needs()).then_some(geometry);
         let (outcome, arrived) = transport.settle(exactly, &flight, &step, found);
         match outcome {
             Outcome::Flying(next) => flight = next,

@@ -226,7 +226,7 @@ impl<T: Transport> Wavefront<T> {
                 beside.push(lane);
                 continue;
             };
-            exactly[lane] = job.has_details || samples.needs().camera_ray;
+            exactly[lane] = job.lands_exactly(samples.needs());
             if let Some(of_scene) = &job.cones {
                 cones[lane] = of_scene.of_camera(job.scene, path.sample, (position, direction));
             }

@@ -121,8 +121,8 @@ impl Kernel for EstimatingArrival<'_> {
         let angle = half_turn::angle(sin, cos);
         let is_aligned = sin == 0.0;
         let axis = pick(is_aligned, x.radial.cross(frame::tangents(x.radial).0), spin / sin);
-        let is_odd = number % 2 == 1;
-        let along = (if is_odd { -1.0 } else { 1.0 } * axis).cross(y.radial);
+        let sense = if number % 2 == 1 { -1.0 } else { 1.0 };
+        let along = (sense * axis).cross(y.radial);
         let is_reversed = y.q > x.q;
         let near = if is_reversed { *y } else { *x };
         let far = if is_reversed { *x } else { *y };

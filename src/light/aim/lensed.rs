@@ -180,10 +180,16 @@ impl<M: ConformallyFlat> Aim for Lensed<M> {
         &self,
         x: &[LensedPlace; LANES],
         y: &[LensedPlace; LANES],
-        winding: impl Fn(usize) -> u32,
-    ) -> [Approach; LANES] {
-        let arrivals = self.lens.estimated_arrivals(|lane| (x[lane].site, y[lane].site), &winding);
-        std::array::from_fn(|lane| self.approach_by(&x[lane], &y[lane], winding(lane), || arrivals[lane]))
+        winding: impl Fn(usize) -> Option<u32>,
+    ) -> [Option<Approach>; LANES] {
+        if (0..LANES).all(|lane| winding(lane).is_none()) {
+            return [None; LANES];
+        }
+        let any = |lane| winding(lane).unwrap_or_default();
+        let arrivals = self.lens.estimated_arrivals(|lane| (x[lane].site, y[lane].site), any);
+        std::array::from_fn(|lane| {
+            Some(self.approach_by(&x[lane], &y[lane], winding(lane)?, || arrivals[lane]))
+        })
     }
 
     fn link(&self, x: &LensedPlace, y: &LensedPlace, winding: u32) -> Option<Link> {

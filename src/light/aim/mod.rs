@@ -80,15 +80,15 @@ pub trait Aim: Send + Sync {
     /// Estimate of the ray with this winding number.
     fn approach(&self, x: &Self::Place, y: &Self::Place, winding: u32) -> Approach;
 
-    /// [`Self::approach`] of a block.
+    /// [`Self::approach`] of the lanes of a block for which there is a winding number.
     #[inline(always)]
     fn approaches(
         &self,
         x: &[Self::Place; LANES],
         y: &[Self::Place; LANES],
-        winding: impl Fn(usize) -> u32,
-    ) -> [Approach; LANES] {
-        std::array::from_fn(|lane| self.approach(&x[lane], &y[lane], winding(lane)))
+        winding: impl Fn(usize) -> Option<u32>,
+    ) -> [Option<Approach>; LANES] {
+        std::array::from_fn(|lane| Some(self.approach(&x[lane], &y[lane], winding(lane)?)))
     }
 
     /// The ray with this winding number; `None` if there is none.

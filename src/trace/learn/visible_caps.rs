@@ -98,14 +98,14 @@ fn cap(normals: &[DVec3]) -> Option<Cap> {
     if normals.len() < FEWEST {
         return None;
     }
-    let (mut axis, mut widest) = (middle(normals)?, 0.0);
+    let (mut axis, mut widest) = (middle(normals.iter().copied())?, 0.0);
     for _ in 0..ROUNDS {
         let mut by_angle: Vec<(f64, DVec3)> =
             normals.iter().map(|normal| (angle(axis, *normal), *normal)).collect();
         by_angle.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         let inner = &by_angle[..worth(&by_angle)];
         widest = inner.last()?.0;
-        axis = middle(&inner.iter().map(|(_, normal)| *normal).collect::<Vec<_>>())?;
+        axis = middle(inner.iter().map(|(_, normal)| *normal))?;
     }
     let widest = widest * (1.0 + MARGIN / (normals.len() as f64).sqrt());
     (0.0 < widest && widest < WIDEST).then(|| Cap::new(axis, widest))
@@ -125,8 +125,8 @@ fn worth(by_angle: &[(f64, DVec3)]) -> usize {
 }
 
 /// Mean direction.
-fn middle(normals: &[DVec3]) -> Option<DVec3> {
-    normals.iter().sum::<DVec3>().try_normalize()
+fn middle(normals: impl Iterator<Item = DVec3>) -> Option<DVec3> {
+    normals.sum::<DVec3>().try_normalize()
 }
 
 /// Angle between unit vectors: accurate for the smallest of caps, as acos is not.
